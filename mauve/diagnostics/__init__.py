@@ -1,0 +1,1 @@
+"""Diagnostics as data, their rule table, their explanation pages and one renderer per output format."""

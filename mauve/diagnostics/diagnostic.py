@@ -1,0 +1,100 @@
+"""A diagnostic is data: what is wrong, where, why, and what to do. Passes append them to a Report; renderers show them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from enum import Enum
+
+from mauve.source import Span
+
+
+class Severity(Enum):
+    """How serious a diagnostic is. Only an error makes the command line exit with 1."""
+
+    ERROR = "error"
+    WARNING = "warning"
+    NOTE = "note"
+
+
+class Applicability(Enum):
+    """Whether a tool may apply a fix by itself."""
+
+    MACHINE = "machine-applicable"
+    MAYBE = "maybe-incorrect"
+    PLACEHOLDERS = "has-placeholders"
+
+
+@dataclass(frozen=True, slots=True)
+class Label:
+    """A span of source with a short text about it (the text may be empty)."""
+
+    span: Span
+    text: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Edit:
+    """Replace the span by the text (an empty span inserts)."""
+
+    span: Span
+    text: str
+
+
+@dataclass(frozen=True, slots=True)
+class Fix:
+    """Advice in words, and where possible the edits that carry it out."""
+
+    text: str
+    edits: tuple[Edit, ...] = ()
+    applicability: Applicability = Applicability.PLACEHOLDERS
+
+
+@dataclass(frozen=True, slots=True)
+class Diagnostic:
+    """One message.
+
+    `code` is a key of the rule table. `message` stands alone; `primary` is where to look first (None when no source
+    text is at fault); `place` is a location outside the model's text, for findings in a binary: `fusion.c:41 (0x8a34,
+    in mat_invert)`. `notes` give context, `help` what to change. `data` carries figures for machine readers.
+    """
+
+    code: str
+    message: str
+    primary: Label | None = None
+    severity: Severity = Severity.ERROR
+    labels: tuple[Label, ...] = ()
+    place: str = ""
+    notes: tuple[str, ...] = ()
+    help: Fix | None = None
+    data: tuple[tuple[str, object], ...] = ()
+
+
+@dataclass(slots=True)
+class Report:
+    """The diagnostics of one run, in the order the passes found them. Passes append, the command line renders."""
+
+    diagnostics: list[Diagnostic] = field(default_factory=list)
+
+    def add(self, diagnostic: Diagnostic) -> None:
+        """Append one diagnostic, unless the same one is already there."""
+        if diagnostic not in self.diagnostics:
+            self.diagnostics.append(diagnostic)
+
+    @property
+    def has_errors(self) -> bool:
+        """Whether any diagnostic is an error."""
+        return any(d.severity is Severity.ERROR for d in self.diagnostics)
+
+    def sorted(self) -> list[Diagnostic]:
+        """By file, line, column, then code; those without a source position last."""
+
+        def key(d: Diagnostic) -> tuple[int, str, int, str]:
+            if d.primary is None:
+                return (1, d.place, 0, d.code)
+            return (0, d.primary.span.file.name, d.primary.span.start, d.code)
+
+        return sorted(self.diagnostics, key=key)
+
+    def __iter__(self) -> Iterator[Diagnostic]:
+        return iter(self.diagnostics)
