@@ -1,0 +1,79 @@
+"""Flow facts: what a person knows about the paths of a binary, and where it was written."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import Enum
+
+
+@dataclass(frozen=True, slots=True)
+class AtAddress:
+    """A place given by a number."""
+
+    address: int
+
+
+@dataclass(frozen=True, slots=True)
+class AtSymbol:
+    """A place given by a symbol and a byte offset."""
+
+    symbol: str
+    offset: int = 0
+
+
+@dataclass(frozen=True, slots=True)
+class AtLine:
+    """A source line. `file` matches a path of the line table when it is equal to it or to its last components."""
+
+    file: str
+    line: int
+
+
+Place = AtAddress | AtSymbol | AtLine
+
+
+class Counting(Enum):
+    """What a loop fact's number counts, per entry of the loop (semantics section 5)."""
+
+    BODY = "body"
+    """executions of the source loop's body; one more header execution unless the loop is proven bottom-tested"""
+    HEADER = "header"
+    """executions of the header block"""
+
+
+@dataclass(frozen=True, slots=True)
+class LoopFact:
+    """The loop at `place` runs at most `maximum` times per entry, and its body or header at most `total` times in all."""
+
+    place: Place
+    maximum: int | None
+    counting: Counting
+    total: int | None = None
+    written: str = ""
+    """where the fact stands, for messages: `robot.mauve:114` or `robot.ff:3`"""
+    key: int = 0
+    """a number by which the caller finds its own source span again"""
+
+
+class ControlKind(Enum):
+    """Facts about control flow, as in OTAWA's .ff files."""
+
+    NO_RETURN = "noreturn"
+    RETURN = "return"
+    NO_CALL = "nocall"
+    TARGETS = "targets"
+    """the indirect branch or call at `place` goes to one of `targets`"""
+
+
+@dataclass(frozen=True, slots=True)
+class ControlFact:
+    """What a branch, call or function does."""
+
+    kind: ControlKind
+    place: Place
+    targets: tuple[Place, ...] = ()
+    written: str = ""
+    key: int = 0
+
+
+Fact = LoopFact | ControlFact

@@ -1,0 +1,113 @@
+"""The result of a WCET analysis: a bound or the reasons why there is none, and where every number comes from."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import Enum
+
+
+class Origin(Enum):
+    """Where a loop bound comes from (design: provenance of every number)."""
+
+    ANALYSIS = "analysis"
+    ANNOTATION = "annotation"
+    LIBRARY = "library"
+    ASSUMED = "assumed"
+
+
+@dataclass(frozen=True, slots=True)
+class LoopResult:
+    """A loop in one function: `bound` counts executions of the header per entry of the loop (None: not bounded); `total` the
+    executions of the header per execution of the function where a total tighter than bound x entries is known."""
+
+    header: int
+    function: str
+    source: str
+    """`file.c:41`, or empty"""
+    bound: int | None
+    total: int | None
+    origin: Origin | None
+    method: str = ""
+    """which analysis found it, in a few words"""
+    context: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class BlockResult:
+    """A block of the worst path: executions per execution of the analysed function and cycles of one execution."""
+
+    address: int
+    size: int
+    function: str
+    count: int
+    cycles: int
+    source: str = ""
+
+
+class ProblemKind(Enum):
+    """What keeps a function from having a bound. The value is what `unresolved[].kind` prints."""
+
+    LOOP = "unbounded-loop"
+    IRREDUCIBLE = "irreducible-loop"
+    BRANCH = "unresolved-branch"
+    CALL = "unresolved-call"
+    RECURSION = "recursion"
+    DECODE = "undecodable-instruction"
+    OUTSIDE = "code-outside-memory"
+    SUPERVISOR = "supervisor-call"
+    SYMBOL = "symbol-not-found"
+    NOT_A_FUNCTION = "not-a-function"
+    LIMIT = "analysis-limit"
+    HARDWARE = "unmodelled-hardware"
+    NO_RETURN = "no-return"
+
+
+@dataclass(frozen=True, slots=True)
+class Problem:
+    """One located reason. `source` is `file.c:41` where line information exists; `function` the one that holds `address`;
+    `call_path` the functions from the analysed one down to it."""
+
+    kind: ProblemKind
+    message: str
+    address: int | None = None
+    function: str = ""
+    source: str = ""
+    call_path: tuple[str, ...] = ()
+    suggestions: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class CallResult:
+    """A callee: its bound per call and how often the worst path calls it."""
+
+    function: str
+    address: int
+    count: int
+    cycles: int
+
+
+@dataclass(frozen=True, slots=True)
+class WcetResult:
+    """The bound of one function on one board. `cycles` is None exactly when `problems` is not empty.
+
+    `time` is in picoseconds, rounded up once; `stack` in bytes (None when unknown). `assumptions` lists everything the bound
+    rests on, in sentences.
+    """
+
+    name: str
+    address: int | None
+    cycles: int | None
+    time: int | None
+    blocks: tuple[BlockResult, ...] = ()
+    loops: tuple[LoopResult, ...] = ()
+    calls: tuple[CallResult, ...] = ()
+    problems: tuple[Problem, ...] = ()
+    notes: tuple[Problem, ...] = ()
+    assumptions: tuple[str, ...] = ()
+    stack: int | None = None
+    seconds: float = 0.0
+
+    @property
+    def bounded(self) -> bool:
+        """Whether there is a bound."""
+        return self.cycles is not None
