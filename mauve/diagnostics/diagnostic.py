@@ -1,4 +1,4 @@
-"""A diagnostic is data: what is wrong, where, why, and what to do. Passes append them to a Report; renderers show them."""
+"""A diagnostic is data: what is wrong, where, why, what to do. Passes append them to a Report; renderers show them."""
 
 from __future__ import annotations
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 
 from mauve.diagnostics.display import Shown, one_line, show
@@ -66,6 +67,9 @@ class Row:
         return "".join(painted)
 
 
+Emit = Callable[[int | None, Row], None]
+
+
 def excerpt(file: SourceFile, marks: list[Mark], gutter: int, style: Style) -> list[str]:
     """The lines of a file that the marks touch, with the marks under them. `gutter` is the width of line numbers."""
     rails = _rails([m for m in marks if len(m.lines) > 1])
@@ -113,6 +117,92 @@ def _gap(line: int, rails: list[tuple[Mark, int]], gutter: int, style: Style) ->
     for each, rail in rails:
         if each.first.line <= line < each.last.line:
             row.put(2 * rail, "|", each.role)
-    return style.paint(Role.GUTTER, f"{'...':<{gutter + 3}}") .rstrip() if not row.cells else (
-        style.paint(Role.GUTTER, f"{'...':<{gutter + 3}}") + row.paint(style)
-    )
+    dots = style.paint(Role.GUTTER, "...")
+    return f"{dots}{' ' * gutter}{row.paint(style)}" if row.cells else dots
+
+
+def _line(file: SourceFile, number: int, marks: list[Mark], rails: list[tuple[Mark, int]], emit: Emit) -> None:
+    """One source line and the rows under it: marks within the line, then beginnings and ends of longer spans."""
+    text = file.line(number)
+    points = [m.first.column - 1 for m in marks if m.first.line == number]
+    points += [m.last.column - 1 for m in marks if m.last.line == number and m.first.line < number]
+    shown = show(text, points)
+    indent = len(text) - len(text.lstrip())
+    left = _rail_width(rails)
+    active = {rail: m for m, rail in rails if m.first.line < number <= m.last.line}
+    starts = [(m, rail) for m, rail in rails if m.first.line == number]
+
+    row = _with_rails(active)
+    for each, rail in [s for s in starts if s[0].first.column - 1 <= indent]:
+        row.put(2 * rail, "/", each.role)
+        active[rail] = each
+    row.put(left, shown.text, Role.PLAIN)
+    emit(number, row)
+
+    for layer in _layers([m for m in marks if len(m.lines) == 1 and m.first.line == number], shown):
+        for row in _layer_rows(layer, shown, active, left):
+            emit(None, row)
+    for each, rail in [s for s in starts if s[1] not in active]:
+        emit(None, _arm(_with_rails(active), each, rail, left + shown.cell(each.first.column - 1)))
+        active[rail] = each
+    for each, rail in [(m, rail) for m, rail in rails if m.last.line == number]:
+        row = _arm(_with_rails(active), each, rail, left + shown.cell(max(0, each.last.column - 2)))
+        row.put(len(row.cells) + 1, each.text, each.role)
+        emit(None, row)
+        del active[rail]
+
+
+def _with_rails(active: dict[int, Mark]) -> Row:
+    row = Row()
+    for rail, each in active.items():
+        row.put(2 * rail, "|", each.role)
+    return row
+
+
+def _arm(row: Row, each: Mark, rail: int, column: int) -> Row:
+    """Draw the underscores from a rail to a column and the mark's symbol there; other rails stay visible."""
+    for cell in range(2 * rail + 1, column):
+        if cell >= len(row.cells) or row.cells[cell] == " ":
+            row.put(cell, "_", each.role)
+    row.put(column, each.symbol, each.role)
+    return row
+
+
+def _extent(each: Mark, shown: Shown) -> tuple[int, int]:
+    """First and last-but-one column of a mark within a line, at least one column wide."""
+    start = shown.cell(each.first.column - 1)
+    return start, max(start + 1, shown.cell(each.last.column - 1))
+
+
+def _layers(marks: list[Mark], shown: Shown) -> list[list[Mark]]:
+    """The marks in as few rows as keep them apart; primary ones (`^`) come first, each row is in column order."""
+    layers: list[list[Mark]] = []
+    for each in sorted(marks, key=lambda m: (m.symbol != "^", m.first.column)):
+        start, end = _extent(each, shown)
+        for layer in layers:
+            if all(end <= s or start >= e for s, e in (_extent(other, shown) for other in layer)):
+                layer.append(each)
+                break
+        else:
+            layers.append([each])
+    return [sorted(layer, key=lambda m: m.first.column) for layer in layers]
+
+
+def _layer_rows(layer: list[Mark], shown: Shown, active: dict[int, Mark], left: int) -> list[Row]:
+    """The underlines of one row; the rightmost label beside them, the others hanging below, right to left."""
+    row = _with_rails(active)
+    for each in layer:
+        start, end = _extent(each, shown)
+        row.put(left + start, each.symbol * (end - start), each.role)
+    row.put(len(row.cells) + 1, layer[-1].text, layer[-1].role)
+    rows = [row]
+    hanging = [m for m in layer[:-1] if m.text]
+    for count in range(len(hanging), -1, -1):
+        row = _with_rails(active)
+        for each in hanging[:count]:
+            row.put(left + _extent(each, shown)[0], "|", each.role)
+        if count < len(hanging):
+            row.put(left + _extent(hanging[count], shown)[0], hanging[count].text, hanging[count].role)
+        if hanging:
+            rows.append(row)
+    return rows

@@ -5,7 +5,9 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 
-_POSITION = re.compile(r"(?P<file>(?:[A-Za-z]:[\\/])?[^:\n]*[^:\s]):(?P<line>[1-9]\d{0,8})(?::(?P<column>[1-9]\d{0,8}))?(?=$|[\s,;(])")
+_POSITION = re.compile(
+    r"(?P<file>(?:[A-Za-z]:[\\/])?[^:\n]*[^:\s]):(?P<line>[1-9]\d{0,8})(?::(?P<column>[1-9]\d{0,8}))?(?=$|[\s,;(])"
+)
 
 
 @dataclass(frozen=True, slots=True)
