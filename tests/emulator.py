@@ -156,7 +156,11 @@ class Emulator:
         return struct.unpack(layout, self.read(address, struct.calcsize(layout)))
 
     def call(
-        self, function: str | int, args: Sequence[Argument] = (), max_instructions: int = 20_000_000, trace: bool = False
+        self,
+        function: str | int,
+        args: Sequence[Argument] = (),
+        max_instructions: int = 20_000_000,
+        trace: bool = False,
     ) -> Execution:
         """Run `function` to its return and report the counts. Raises EmulationError when it does not return."""
         from unicorn import UC_HOOK_BLOCK, UC_HOOK_MEM_WRITE, UcError
