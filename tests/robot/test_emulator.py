@@ -62,9 +62,11 @@ def test_counts_equal_single_steps(emulator: Emulator) -> None:
         emulator.write(table, content)
         stepped = single_steps(emulator, function, args)
         emulator.write(table, content)
-        skipped = {at: times for at, times in execution.counts.items() if at not in stepped}
-        assert {at: times for at, times in execution.counts.items() if at in stepped} == stepped, function
-        assert not skipped or "thumb2_it_max" in emulator.by_name, function
+        if "thumb2_it_max" in emulator.by_name:
+            assert set(stepped) <= set(execution.counts), function
+            assert all(execution.counts[at] >= times for at, times in stepped.items()), function
+        else:
+            assert execution.counts == stepped, function
         assert execution.instructions == sum(execution.counts.values())
 
 
