@@ -1,0 +1,64 @@
+"""Bounds of loops whose data are unknown, proven by ranking arguments over the binary.
+
+The header of a loop is executed once per entry and once more for each pass along a back edge. `bound_by_ranking` proves
+that the number of passes is limited, from a symbolic summary of the paths through the body and what is known of the
+values when the loop is entered.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from mauve.wcet.binary.graph import Cfg
+from mauve.wcet.binary.loops import Loop, LoopNest
+from mauve.wcet.flow.locations import (
+    ANY,
+    Base,
+    CallEffects,
+    Cell,
+    EntryValues,
+    Helper,
+    Interval,
+    Location,
+    NoValues,
+    Region,
+)
+
+__all__ = [
+    "ANY",
+    "Base",
+    "CallEffects",
+    "Cell",
+    "EntryValues",
+    "Helper",
+    "Interval",
+    "Location",
+    "NoValues",
+    "RankBound",
+    "Region",
+    "bound_by_ranking",
+]
+
+
+@dataclass(frozen=True, slots=True)
+class RankBound:
+    """At most `bound` executions of the header per entry of the loop; `method` names the argument in a few words."""
+
+    bound: int
+    method: str
+
+
+def bound_by_ranking(
+    cfg: Cfg,
+    nest: LoopNest,
+    loop: Loop,
+    values: EntryValues | None = None,
+    effects: Mapping[int, CallEffects] | None = None,
+) -> RankBound | None:
+    """The best bound that some ranking argument proves for `loop`, or None.
+
+    `effects` maps the index of an edge with callees to what they may change; an edge that is missing follows AAPCS:
+    r0-r3, r12, lr, the flags and all memory that is not the caller's frame are lost.
+    """
+    return None
