@@ -5,40 +5,43 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 LONGEST = 80
-"""Names longer than this are compared exactly only: the cost grows with the product of the lengths."""
+"""Names longer than this have no suggestions: the cost of comparing grows with the product of the lengths."""
 
 
 def closest(word: str, candidates: Iterable[str], limit: int = 3) -> tuple[str, ...]:
     """At most `limit` candidates that `word` may stand for, the likeliest first; empty where none is near.
 
-    A name counts as near when it differs only in case or separators, when it is at most a third of its length (and at
-    least one slip) away in the optimal string alignment distance, or when one name begins with the other.
+    A name is near when it differs only in case or separators, or is at most a third of its length (and at least one
+    slip) away in the optimal string alignment distance. Only the best of these and those one slip further are named.
+    Where there are none, names of which one begins with the other are.
     """
-    scored: list[tuple[float, int, str]] = []
+    near: list[tuple[int, int, str]] = []
+    begun: list[tuple[int, int, str]] = []
     for order, candidate in enumerate(dict.fromkeys(candidates)):
-        score = _score(word, candidate)
-        if score is not None and candidate != word:
-            scored.append((score, order, candidate))
-    return tuple(candidate for _, _, candidate in sorted(scored)[:limit])
+        if candidate == word or max(len(word), len(candidate)) > LONGEST:
+            continue
+        left, right = _letters(word), _letters(candidate)
+        slips = _slips(left, right)
+        if slips is not None:
+            near.append((slips, order, candidate))
+        elif _one_begins_the_other(left, right):
+            begun.append((abs(len(left) - len(right)), order, candidate))
+    best = min(near, default=(0, 0, ""))[0]
+    chosen = [each for each in sorted(near) if each[0] <= best + (best > 0)] or sorted(begun)
+    return tuple(candidate for _, _, candidate in chosen[:limit])
 
 
-def _score(word: str, candidate: str) -> float | None:
-    """How far two names are apart, 0 for the same letters; None where they are unrelated."""
-    if not word or not candidate:
-        return None
-    left, right = _letters(word), _letters(candidate)
-    if left == right:
-        return 0.0
+def _slips(left: str, right: str) -> int | None:
+    """The distance of two names, None where it is more than slips of the hand explain."""
+    longer = max(len(left), len(right))
+    found = distance(left, right, max(1, longer // 3))
+    return None if found is None or found >= longer > 0 else found
+
+
+def _one_begins_the_other(left: str, right: str) -> bool:
+    """Whether one name is the beginning of the other, and not by chance: three letters, or half of a short name."""
     shorter, longer = sorted((left, right), key=len)
-    slips = max(1, len(longer) // 3)
-    if len(longer) > LONGEST:
-        return None
-    found = distance(left, right, slips)
-    if found is not None and found < len(longer):
-        return float(found)
-    if len(shorter) >= 3 and longer.startswith(shorter):
-        return slips + 0.5
-    return None
+    return longer.startswith(shorter) and (len(shorter) >= 3 or 2 * len(shorter) >= len(longer) > 0)
 
 
 def _letters(name: str) -> str:
