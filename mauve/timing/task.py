@@ -121,7 +121,7 @@ def trace_length(task: Task, tasks: Sequence[Task]) -> int:
 
 
 def rate_monotonic(periods: Sequence[int]) -> tuple[int, ...]:
-    """Distinct priorities n .. 1: the shorter period is more urgent, ties by order of declaration (MAUVE paper, IV.D)."""
+    """Distinct priorities n .. 1 (MAUVE paper, IV.D): the shorter period is more urgent, ties by declaration order."""
     order = sorted(range(len(periods)), key=lambda index: (periods[index], index))
     priorities = [0] * len(periods)
     for place, index in enumerate(order):

@@ -19,11 +19,11 @@ from itertools import accumulate, pairwise
 
 from mauve.timing.psm import Psm, PsmTransition, max_cycle_mean, reachable_edges
 
-EXACT_JOBS = 1024
-"""A PSM's curve is computed exactly for at least so many jobs, however large the machine."""
+EXACT_JOBS = (1024, 16_384)
+"""A PSM's curve is computed exactly for at least the first number of jobs, however large the machine, and up to the
+second as long as jobs x transitions stays below EXACT_WORK."""
 
-EXACT_WORK = 2_000_000
-"""... and for more as long as jobs x transitions stays below this."""
+EXACT_WORK = 1_000_000
 
 
 @dataclass(frozen=True, slots=True)
@@ -136,7 +136,7 @@ class PsmCurve(Curve):
         _, edges = reachable_edges(psm)
         # A state without a way out idles at no cost, so that every run goes on.
         self._edges = [out or [(0, state)] for state, out in enumerate(edges)]
-        self._cap = max(EXACT_JOBS, EXACT_WORK // sum(map(len, self._edges)))
+        self._cap = min(max(EXACT_JOBS[0], EXACT_WORK // sum(map(len, self._edges))), EXACT_JOBS[1])
         self._values = [0] * len(edges)
         self._totals = [0]
         self._anchor, self._anchor_at = list(self._values), 0

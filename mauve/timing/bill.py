@@ -1,0 +1,156 @@
+"""The bill of a response time: which work, of whom, fills the window of a job, term by term.
+
+Two windows matter. `worst_bill`: the window w(q) of the job that attains the response; its lines sum to w(q) exactly.
+`deadline_bill`: the window from the start of the busy period to the deadline of the first job that misses it; its
+lines sum to more than the window, which is why the deadline is missed. (As long as the work released in [0, x) exceeds
+x the processor is busy; a job that is not done by d has more than d due by d.)
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from mauve.timing.level import Budget, finish, job_finishes
+from mauve.timing.psm import PsmTransition
+from mauve.timing.response import STEPS, Analysis, Charge, Method, interference_on
+from mauve.timing.task import Kind, Task, Workload
+from mauve.timing.traces import PsmCurve, witness_run
+
+SHOWN_JOBS = 64
+"""Traces and runs in a bill are spelled out for at most so many jobs."""
+
+
+@dataclass(frozen=True, slots=True)
+class BillWork:
+    """The share of one workload: how often it runs, what that costs, its trace, and a run of its PSM that costs it.
+
+    `trace` holds e_1, e_2, ... and `run` the transitions, both empty past `SHOWN_JOBS` jobs; `run` is empty too where
+    the work is not a PSM.
+    """
+
+    name: str
+    jobs: int
+    cost: int
+    trace: tuple[int, ...]
+    run: tuple[PsmTransition, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class BillLine:
+    """The share of one task: `cost` = the work + `overhead` (context switches of its `jobs`)."""
+
+    task: str
+    kind: Kind
+    priority: int
+    period: int
+    jobs: int
+    cost: int
+    overhead: int
+    work: tuple[BillWork, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Bill:
+    """What is due in a window of length `window` that ends with job `job` of `task`.
+
+    `own` is the task's first `job` jobs, `others` the interfering tasks, dearest first, `blocking` the critical
+    section of a less urgent task; `due` is the sum.
+    """
+
+    task: str
+    job: int
+    window: int
+    own: BillLine
+    others: tuple[BillLine, ...]
+    blocking: int
+
+    @property
+    def due(self) -> int:
+        """The total work due in the window."""
+        return self.blocking + self.own.cost + sum(line.cost for line in self.others)
+
+    @property
+    def excess(self) -> int:
+        """By how much the work due exceeds the window (0 for the bill of a response)."""
+        return self.due - self.window
+
+
+def worst_bill(analysis: Analysis, name: str) -> Bill | None:
+    """The bill of the job that attains the response; None where there is no response time."""
+    result = analysis.result(name)
+    if result.wcrt is None:
+        return None
+    return _bill(analysis.tasks, analysis.task(name), result.worst_job, result.finish, result.charges)
+
+
+def deadline_bill(analysis: Analysis, name: str, steps: int = STEPS) -> Bill | None:
+    """The bill by the deadline of the first job that misses it; None where none is found to miss."""
+    task = analysis.task(name)
+    result = analysis.result(name)
+    if result.schedulable:
+        return None
+    if analysis.method is Method.PAPER:
+        late = 1
+    elif result.method is Method.EXACT:
+        # Only its first job matters there, with the charges of its worst run: what came by the deadline is a part.
+        late = 1
+    else:
+        late = job_finishes(task, interference_on(task, analysis.tasks), Budget(steps), until_late=True).late
+    if late == 0:
+        return None
+    window = max(0, task.deadline + (late - 1) * task.period - task.jitter)
+    return _bill(analysis.tasks, task, late, window, result.charges)
+
+
+def first_finish(analysis: Analysis, name: str, steps: int = STEPS) -> int | None:
+    """The response J + w(1) of the first job of the busy period, which exists even where the load exceeds 1.
+
+    It is not a worst case; None where the more urgent tasks leave nothing of the processor.
+    """
+    task = analysis.task(name)
+    others = interference_on(task, analysis.tasks)
+    if others.load >= 1.0:
+        return None
+    end = finish(others, task.blocking + task.demand(1), 0, Budget(steps))
+    return None if end is None else end + task.jitter
+
+
+def _bill(tasks: Sequence[Task], task: Task, job: int, window: int, charges: tuple[Charge, ...]) -> Bill:
+    charged = {(charge.task, charge.workload): charge.costs for charge in charges}
+    lines = [
+        _line(other, -(-(window + other.jitter) // other.period), window, charged)
+        for other in interference_on(task, tasks).tasks
+    ]
+    others = sorted((line for line in lines if line.cost), key=lambda line: (-line.cost, line.task))
+    return Bill(task.name, job, window, _line(task, job, None, {}), tuple(others), task.blocking)
+
+
+def _line(
+    task: Task, jobs: int, window: int | None, charged: dict[tuple[str, str], tuple[int, ...]]
+) -> BillLine:
+    work = []
+    for part in task.work:
+        if window is None or not part.period:
+            count = task.activations(part, jobs)
+        else:
+            count = -(-(window + task.jitter) // part.period)
+        costs = charged.get((task.name, part.name))
+        work.append(_work(part, count) if costs is None else _charged(part, costs[:count]))
+    overhead = jobs * task.overhead
+    cost = overhead + sum(one.cost for one in work)
+    return BillLine(task.name, task.kind, task.priority, task.period, jobs, cost, overhead, tuple(work))
+
+
+def _charged(part: Workload, costs: tuple[int, ...]) -> BillWork:
+    return BillWork(part.name, len(costs), sum(costs), costs, ())
+
+
+def _work(part: Workload, jobs: int) -> BillWork:
+    curve = part.curve
+    totals = [curve.total(count) for count in range(jobs + 1)] if jobs <= SHOWN_JOBS else []
+    trace = tuple(totals[count + 1] - totals[count] for count in range(len(totals) - 1))
+    run: tuple[PsmTransition, ...] = ()
+    if isinstance(curve, PsmCurve) and 0 < jobs <= SHOWN_JOBS:
+        run = witness_run(curve.psm, jobs)
+    return BillWork(part.name, jobs, curve.total(jobs), trace, run)

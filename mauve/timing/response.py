@@ -1,0 +1,262 @@
+"""Worst-case response times: fixed priorities, preemptive, one processor (MAUVE paper, section III.C.4).
+
+    w_i(q) = least fixed point of B_i + E_i(q) + sum over j in hep(i) without i of E_j(ceil((w + J_j) / T_j))
+    R_i    = max over q = 1 .. ceil((L_i + J_i) / T_i) of J_i + w_i(q) - (q-1) T_i       from the nominal arrival
+
+with L_i the level-i busy period. Arbitrary deadlines, jitter, blocking and a load of exactly 1 are covered. Methods:
+
+* sporadic: each job costs the dearest transition of its machine;
+* paper:    the paper's own: first job only, no blocking, no jitter. As printed, the release index j T_i would leave
+            out the release at 0 (it is (j-1) T_i), and releases count strictly before R. The result says where the
+            method does not cover the task;
+* trace:    the formula above with the workload curves (the default);
+* exact:    concrete runs instead of curves, where R <= T and nothing has jitter (`exact.py`); elsewhere `trace`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from enum import Enum
+from itertools import groupby
+
+from mauve.timing.level import Budget, Interference, finish, job_finishes, load_compared_to_one, repetition
+from mauve.timing.task import Kind, Task
+from mauve.timing.traces import ConstantCurve
+
+STEPS = 100_000
+"""Evaluations of the fixed point's right-hand side allowed per task before its response is given up as unknown."""
+
+
+class Method(Enum):
+    """How the work of interfering machines is bounded."""
+
+    SPORADIC = "sporadic"
+    PAPER = "paper"
+    TRACE = "trace"
+    EXACT = "exact"
+
+
+class Reason(Enum):
+    """Why there is no response time."""
+
+    OVERLOAD = "the task and those at least as urgent need more than the whole processor"
+    FULL_LOAD = "the load is exactly 1 and the busy period neither ends nor is proven to repeat"
+    LIMIT = "the busy period has more jobs than the analysis looks at"
+
+
+class Caveat(Enum):
+    """What to know about a response time that is there."""
+
+    LATER_JOBS = "the response exceeds the period, and the paper's method looks at the first job only"
+    JITTER = "there is jitter, which the paper's method leaves out"
+    BLOCKING = "there is blocking, which the paper's method leaves out"
+    ESTIMATED = "a workload curve was extended by subadditivity beyond its computed part"
+    FELL_BACK = "the exact method does not cover this task; the trace method was used"
+    GAVE_UP = "the exact method met too many runs; the value is a sound bound between trace and exact"
+
+
+@dataclass(frozen=True, slots=True)
+class Charge:
+    """What the exact method charges one workload of one interfering task: the costs of a concrete run."""
+
+    task: str
+    workload: str
+    costs: tuple[int, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class ResponseResult:
+    """The response of one task: `wcrt` from the nominal arrival, or None and the `reason`.
+
+    `worst_job` is the q that attains it and `finish` its w(q); `busy_period` is L_i (None where unknown or without
+    end); `responsible` the tasks of an overload, the greatest load first; `method` the one that was really used.
+    """
+
+    task: str
+    wcrt: int | None
+    deadline: int
+    method: Method
+    reason: Reason | None = None
+    worst_job: int = 0
+    finish: int = 0
+    busy_period: int | None = None
+    caveats: tuple[Caveat, ...] = ()
+    responsible: tuple[str, ...] = ()
+    charges: tuple[Charge, ...] = ()
+
+    @property
+    def schedulable(self) -> bool:
+        """Whether the deadline is proven to hold."""
+        return self.wcrt is not None and self.wcrt <= self.deadline
+
+    @property
+    def slack(self) -> int | None:
+        """Deadline - response: negative where it is missed."""
+        return None if self.wcrt is None else self.deadline - self.wcrt
+
+
+@dataclass(frozen=True, slots=True)
+class Analysis:
+    """The responses of all tasks (not of interrupts and ticks), in the order given.
+
+    `tasks` are those of the request as the method sees them: constant curves for `sporadic`, no jitter and blocking
+    for `paper`. Bills are made from them (`bill.py`).
+    """
+
+    method: Method
+    tasks: tuple[Task, ...]
+    results: tuple[ResponseResult, ...]
+
+    @property
+    def schedulable(self) -> bool:
+        """Whether every deadline is proven to hold."""
+        return all(result.schedulable for result in self.results)
+
+    def result(self, name: str) -> ResponseResult:
+        """The response of the task of this name; KeyError if there is none."""
+        for result in self.results:
+            if result.task == name:
+                return result
+        raise KeyError(name)
+
+    def task(self, name: str) -> Task:
+        """The task of this name as analysed; KeyError if there is none."""
+        for task in self.tasks:
+            if task.name == name:
+                return task
+        raise KeyError(name)
+
+
+def analyse(tasks: Sequence[Task], method: Method = Method.TRACE, steps: int = STEPS) -> Analysis:
+    """The worst-case response times of these tasks, which share one processor.
+
+    Never raises on a set that cannot be scheduled: such tasks get None and a reason. ValueError if two have one name.
+    """
+    if len({task.name for task in tasks}) != len(tasks):
+        raise ValueError("two tasks have one name")
+    seen = as_seen(tasks, method)
+    found: dict[str, ResponseResult] = {}
+    above = Interference()
+    warm: tuple[int, int] = (0, 0)
+    for _, group in groupby(sorted(seen, key=lambda task: -task.priority), key=lambda task: task.priority):
+        peers = list(group)
+        for task in peers:
+            if task.kind is not Kind.TASK:
+                continue
+            others = above
+            if len(peers) > 1:
+                others = above.copy()
+                for peer in peers:
+                    if peer is not task:
+                        others.add(peer)
+            # More interference and no less blocking than the task above: its first finish plus own work is a start.
+            start = warm[0] + task.demand(1) if task.blocking >= warm[1] else 0
+            result, first = _respond(task, others, method, Budget(steps), start)
+            found[task.name] = result
+        if len(peers) == 1 and peers[0].kind is Kind.TASK and first is not None:
+            warm = (first, peers[0].blocking)
+        for peer in peers:
+            above.add(peer)
+    results = [found[task.name] for task in seen if task.kind is Kind.TASK]
+    if method is Method.PAPER:
+        results = [_with_paper_caveats(result, tasks) for result in results]
+    return Analysis(method, tuple(seen), tuple(results))
+
+
+def as_seen(tasks: Sequence[Task], method: Method) -> list[Task]:
+    """The tasks as a method sees them."""
+    match method:
+        case Method.SPORADIC:
+            return [
+                replace(task, work=tuple(replace(p, curve=ConstantCurve(p.curve.total(1))) for p in task.work))
+                for task in tasks
+            ]
+        case Method.PAPER:
+            return [replace(task, jitter=0, blocking=0) for task in tasks]
+        case Method.TRACE | Method.EXACT:
+            return list(tasks)
+
+
+def interference_on(task: Task, tasks: Sequence[Task]) -> Interference:
+    """The tasks that delay `task`: all others of at least its priority."""
+    others = Interference()
+    for other in tasks:
+        if other.priority >= task.priority and other.name != task.name:
+            others.add(other)
+    return others
+
+
+def _respond(
+    task: Task, others: Interference, method: Method, budget: Budget, start: int
+) -> tuple[ResponseResult, int | None]:
+    """The result of one task and its w(1), where known."""
+    if method is Method.PAPER:
+        return _first_job(task, others, budget, start)
+    load = others.load + float(task.load)
+    level = load_compared_to_one([*others.tasks, task], load)
+    if level > 0:
+        return _overload(task, others, method), None
+    repeat = repetition([*others.tasks, task]) if level == 0 else None
+    jobs = job_finishes(task, others, budget, start, repeat)
+    first = jobs.finishes[0] if jobs.finishes else None
+    if not jobs.closed:
+        reason = Reason.FULL_LOAD if level == 0 else Reason.LIMIT
+        return ResponseResult(task.name, None, task.deadline, method, reason), first
+    worst = max(range(len(jobs.finishes)), key=lambda index: (jobs.finishes[index] - index * task.period, -index))
+    end = jobs.finishes[worst]
+    result = ResponseResult(
+        task=task.name,
+        wcrt=task.jitter + end - worst * task.period,
+        deadline=task.deadline,
+        method=Method.TRACE if method is Method.EXACT else method,
+        worst_job=worst + 1,
+        finish=end,
+        busy_period=jobs.busy,
+        caveats=_estimated(task, others, jobs.finishes[-1], len(jobs.finishes)),
+    )
+    return result, first
+
+
+def _first_job(
+    task: Task, others: Interference, budget: Budget, start: int
+) -> tuple[ResponseResult, int | None]:
+    """The paper's method: w(1) alone, which is finite as long as the others leave anything of the processor."""
+    if load_compared_to_one(others.tasks, others.load) >= 0:
+        return _overload(task, others, Method.PAPER), None
+    end = finish(others, task.demand(1), start, budget)
+    if end is None:
+        return ResponseResult(task.name, None, task.deadline, Method.PAPER, Reason.LIMIT), None
+    caveats = _estimated(task, others, end, 1)
+    return ResponseResult(task.name, end, task.deadline, Method.PAPER, None, 1, end, caveats=caveats), end
+
+
+def _overload(task: Task, others: Interference, method: Method) -> ResponseResult:
+    ranked = sorted([task, *others.tasks], key=lambda one: -one.load)
+    names = tuple(one.name for one in ranked if one.load > 0)
+    return ResponseResult(task.name, None, task.deadline, method, Reason.OVERLOAD, responsible=names)
+
+
+def _estimated(task: Task, others: Interference, window: int, jobs: int) -> tuple[Caveat, ...]:
+    if not others.curved and all(isinstance(part.curve, ConstantCurve) for part in task.work):
+        return ()
+    own = any(part.curve.estimated(task.activations(part, jobs)) for part in task.work)
+    foreign = any(
+        part.curve.estimated(-(-(window + other.jitter) // (part.period or other.period)))
+        for other in others.tasks
+        for part in other.work
+    )
+    return (Caveat.ESTIMATED,) if own or foreign else ()
+
+
+def _with_paper_caveats(result: ResponseResult, tasks: Sequence[Task]) -> ResponseResult:
+    """Say where the paper's method does not cover a task of the set as it was given."""
+    task = next(one for one in tasks if one.name == result.task)
+    caveats = list(result.caveats)
+    if result.wcrt is None or result.wcrt > task.period:
+        caveats.append(Caveat.LATER_JOBS)
+    if any(one.jitter > 0 for one in tasks if one.priority >= task.priority):
+        caveats.append(Caveat.JITTER)
+    if task.blocking > 0:
+        caveats.append(Caveat.BLOCKING)
+    return replace(result, caveats=tuple(caveats))
