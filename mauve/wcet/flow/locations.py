@@ -93,6 +93,9 @@ class EntryValues(Protocol):
     def access(self, address: int, index: int) -> Region | None:
         """The bytes touched by micro-operation `index` of the instruction at `address`."""
 
+    def constant(self, cell: Cell) -> int | None:
+        """The number in an absolute cell of memory that is never written: literal pools and constant tables."""
+
     def tracked(self, cell: Cell) -> bool:
         """Whether a load from this absolute cell gives what this program last stored there: memory that no device, no
         interrupt and no other task writes while the function runs."""
@@ -115,6 +118,10 @@ class NoValues:
         return None
 
     def access(self, address: int, index: int) -> Region | None:
+        """Unknown."""
+        return None
+
+    def constant(self, cell: Cell) -> int | None:
         """Unknown."""
         return None
 
@@ -150,8 +157,8 @@ class Helper(Enum):
 class CallEffects:
     """What a call may change: core registers, memory outside the caller's frame, the caller's frame.
 
-    Flags are always lost. Frames of callees lie below sp and are of no interest to the caller. `frame` None: the frame is lost
-    when the function lets the address of a part of it out of its hands.
+    Flags are always lost. Frames of callees lie below sp and are of no interest to the caller. `frame` None: the frame is
+    lost when the function lets the address of a part of it out of its hands.
     """
 
     registers: frozenset[int] = CALL_CLOBBERED

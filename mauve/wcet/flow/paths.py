@@ -1,0 +1,557 @@
+"""Symbolic execution of an acyclic piece of a control flow graph: what a pass through a loop's body does.
+
+The paths from a start block are followed with the values at its start as symbols. A loop inside is one step: everything
+it may change becomes unknown at its header, then its blocks are walked once towards its exits. Paths that agree are
+merged; where there are too many, they are joined and lose what differs. So a summary may say less than is true, never
+something false.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from itertools import count
+
+from mauve.wcet.binary.graph import EXIT, Cfg, Edge, EdgeKind
+from mauve.wcet.binary.loops import Loop, LoopNest
+from mauve.wcet.binary.microop import (
+    Compute,
+    Condition,
+    Imm,
+    Instruction,
+    Load,
+    MicroOp,
+    Next,
+    Op,
+    Operand,
+    SetCarry,
+    SetFlags,
+    Store,
+    StoreUnknown,
+    SupervisorCall,
+)
+from mauve.wcet.flow.flags import UNKNOWN, Flags, carry_term, facts, set_carry, set_flags
+from mauve.wcet.flow.frame import Frame, analyse_frame
+from mauve.wcet.flow.liveness import FLAGS, live_registers
+from mauve.wcet.flow.locations import (
+    AAPCS,
+    WORD,
+    Base,
+    CallEffects,
+    Cell,
+    EntryValues,
+    Helper,
+    Location,
+    NoValues,
+    Region,
+)
+from mauve.wcet.flow.symbolic import (
+    ZERO,
+    FrameBase,
+    Fresh,
+    Kind,
+    Relation,
+    Term,
+    add,
+    atom,
+    bounds,
+    compute,
+    number,
+    scale,
+    signed,
+    subtract,
+    variable,
+)
+
+MOST_STATES = 16
+"""States kept apart at one block."""
+
+ALL_FRAME = Region(Base.SP, -WORD, WORD)
+ALL_MEMORY = Region(Base.ABSOLUTE, 0, WORD)
+
+
+@dataclass(slots=True)
+class State:
+    """Registers and cells as terms, flags, and relations that hold on the way here.
+
+    `lost` are parts of memory whose contents at the start are gone; a cell that is neither in `cells` nor lost still has
+    its value of the start.
+    """
+
+    registers: dict[int, Term]
+    cells: dict[Cell, Term] = field(default_factory=dict)
+    lost: tuple[Region, ...] = ()
+    flags: Flags = UNKNOWN
+    known: frozenset[Relation] = frozenset()
+
+    def copy(self) -> State:
+        """A state that can be changed alone."""
+        return State(dict(self.registers), dict(self.cells), self.lost, self.flags, self.known)
+
+
+@dataclass(frozen=True, slots=True)
+class Changes:
+    """What a piece of code may change: registers (FLAGS is always among them) and memory."""
+
+    registers: frozenset[int]
+    memory: frozenset[Region]
+
+
+@dataclass(slots=True)
+class Program:
+    """A function and everything about it that all summaries share."""
+
+    cfg: Cfg
+    nest: LoopNest
+    values: EntryValues
+    effects: Mapping[int, CallEffects]
+    frame: Frame
+    live: tuple[frozenset[int], ...]
+    leaving: Mapping[int, tuple[int, ...]]
+    back_edges: frozenset[int]
+    fresh: count[int] = field(default_factory=count)
+
+    def unknown(self, low: int = 0, high: int = WORD - 1) -> Term:
+        """A value about which nothing else is known."""
+        return atom(Fresh(next(self.fresh), low, high))
+
+
+def prepare(
+    cfg: Cfg, nest: LoopNest, values: EntryValues | None = None, effects: Mapping[int, CallEffects] | None = None
+) -> Program:
+    """Collect what summaries of this function need."""
+    leaving: dict[int, list[int]] = {}
+    for index, edge in enumerate(cfg.edges):
+        leaving.setdefault(edge.source, []).append(index)
+    effects = effects or {}
+    return Program(
+        cfg,
+        nest,
+        values or NoValues(),
+        effects,
+        analyse_frame(cfg, effects),
+        live_registers(cfg),
+        {block: tuple(edges) for block, edges in leaving.items()},
+        frozenset(index for loop in nest.loops for index in loop.back_edges),
+    )
+
+
+def initial_state(program: Program, block: int) -> State:
+    """Every register at the start of `block` as a symbol, pointers into the frame as such."""
+    offsets = dict(program.frame.offsets[block])
+    offset = program.values.sp_offset(block)
+    if offset is not None:
+        offsets[13] = offset
+    registers = {
+        r: add(atom(FrameBase()), number(offsets[r])) if r in offsets else variable(r) for r in range(15)
+    }
+    return State(registers)
+
+
+def summarise_loop(program: Program, loop: Loop) -> list[State]:
+    """The states at the ends of the back edges of `loop`, in terms of the values at the start of its header."""
+    states: list[State] = []
+    for edge, state in _walk(program, loop.header, loop.blocks, initial_state(program, loop.header), {}):
+        if edge in loop.back_edges:
+            states.append(state)
+    return _merged(program, states, program.live[loop.header])
+
+
+def entry_states(program: Program) -> dict[int, State]:
+    """For each loop header, the state when control comes from outside, in terms of values at the function's entry."""
+    if program.nest.irreducible:
+        return {}
+    headers: dict[int, list[State]] = {}
+    start = program.cfg.entry
+    state = initial_state(program, start)
+    everything = frozenset(range(len(program.cfg.blocks)))
+    for _ in _walk(program, start, everything, state, headers):
+        pass
+    return {h: _joined(program, states) for h, states in headers.items() if states}
+
+
+# ----------------------------------------------------------------------------------------------------------- walking
+def _walk(
+    program: Program, start: int, blocks: frozenset[int], state: State, headers: dict[int, list[State]]
+) -> Iterable[tuple[int, State]]:
+    """Follow the edges inside `blocks` from `start`, back edges not taken; yields those not followed, with their states.
+
+    `headers` collects the states in which inner loops (and a loop at `start`) are entered.
+    """
+    pending: dict[int, list[State]] = {start: [state]}
+    loops = {loop.header: loop for loop in program.nest.loops}
+    whole = len(blocks) == len(program.cfg.blocks)
+    for block in _order(program, start, blocks):
+        states = _merged(program, pending.pop(block, []), program.live[block])
+        if not states:
+            continue
+        if block in loops and (block != start or whole):
+            headers[block] = [s.copy() for s in states]
+            changes = loop_changes(program, loops[block])
+            for inner in states:
+                forget(program, inner, changes)
+            states = _merged(program, states, program.live[block])
+        for edge, after in _execute_block(program, block, states):
+            target = program.cfg.edges[edge].target
+            if edge in program.back_edges or target not in blocks:
+                yield edge, after
+            else:
+                pending.setdefault(target, []).append(after)
+
+
+def _order(program: Program, start: int, blocks: frozenset[int]) -> list[int]:
+    """Reverse postorder of the blocks reached from `start` without back edges."""
+    seen = {start}
+    order: list[int] = []
+    stack = [(start, iter(program.leaving.get(start, ())))]
+    while stack:
+        block, edges = stack[-1]
+        for edge in edges:
+            target = program.cfg.edges[edge].target
+            if edge not in program.back_edges and target in blocks and target not in seen:
+                seen.add(target)
+                stack.append((target, iter(program.leaving.get(target, ()))))
+                break
+        else:
+            order.append(block)
+            stack.pop()
+    return order[::-1]
+
+
+def _execute_block(program: Program, block: int, states: list[State]) -> Iterable[tuple[int, State]]:
+    instructions = program.cfg.blocks[block].instructions
+    for instruction in instructions[:-1]:
+        states = [after for state in states for after in _step(program, instruction, state)]
+        if len(states) > 2 * MOST_STATES:
+            states = _merged(program, states, None)
+    last = instructions[-1]
+    edges = [(index, program.cfg.edges[index]) for index in program.leaving.get(block, ())]
+    for state in states:
+        if isinstance(last.flow, Next | SupervisorCall):
+            for after in _step(program, last, state):
+                for index, _ in edges:
+                    yield index, after.copy()
+            continue
+        for index, edge in edges:
+            taken = after_edge(program, last, index, edge, state)
+            if taken is not None:
+                yield index, taken
+
+
+def after_edge(program: Program, last: Instruction, index: int, edge: Edge, state: State) -> State | None:
+    """The state behind `edge`, which leaves its block with the branch or call `last`; None when it cannot be taken."""
+    falls = edge.kind is EdgeKind.FALL
+    after = state.copy()
+    compares_zero = last.text.startswith(("cbz", "cbnz"))
+    if compares_zero:
+        zero = last.text.startswith("cbz") != falls
+        value = after.registers.get(last.traits.reads[0])
+        if value is not None and not _learn(after, (Relation(Kind.EQ if zero else Kind.NE, value, ZERO),)):
+            return None
+    elif last.condition is not Condition.AL:
+        condition = last.condition.negated if falls else last.condition
+        if not _learn(after, facts(state.flags, condition)):
+            return None
+    if falls and not compares_zero:
+        return after
+    _perform(program, last, after)
+    if edge.kind in (EdgeKind.CALL, EdgeKind.TAIL_CALL):
+        _call(program, after, program.effects.get(index, AAPCS))
+    return after
+
+
+def _step(program: Program, instruction: Instruction, state: State) -> list[State]:
+    """The states after an instruction that does not branch: two when it is conditional and both cases are possible."""
+    result = []
+    if instruction.condition is not Condition.AL:
+        skipped = state.copy()
+        if _learn(skipped, facts(state.flags, instruction.condition.negated)):
+            result.append(skipped)
+        if not _learn(state, facts(state.flags, instruction.condition)):
+            return result
+    _perform(program, instruction, state)
+    if isinstance(instruction.flow, SupervisorCall):
+        _call(program, state, AAPCS)
+    return [state, *result]
+
+
+def _learn(state: State, relations: tuple[Relation, ...]) -> bool:
+    """Add what holds; False when it contradicts what is known."""
+    for relation in relations:
+        if relation in state.known:
+            continue
+        if relation.negated in state.known or decide(relation) is False:
+            return False
+        state.known |= {relation}
+    return True
+
+
+def decide(relation: Relation) -> bool | None:
+    """Whether the relation holds for all values or for none of them, as far as constants and static ranges tell."""
+    if relation.a == relation.b:
+        return relation.kind in (Kind.EQ, Kind.UGE, Kind.SGE)
+    a, b = bounds(relation.a), bounds(relation.b)
+    if relation.kind in (Kind.EQ, Kind.NE):
+        (al, ah), (bl, bh) = a.unsigned, b.unsigned
+        if ah < bl or bh < al or bounds(subtract(relation.a, relation.b)).unsigned[0] > 0:
+            return relation.kind is Kind.NE
+        return (relation.kind is Kind.EQ) if al == ah == bl == bh else None
+    (al, ah), (bl, bh) = (a.signed, b.signed) if relation.kind in (Kind.SLT, Kind.SGE) else (a.unsigned, b.unsigned)
+    less = True if ah < bl else False if al >= bh else None
+    return less if relation.kind in (Kind.ULT, Kind.SLT) or less is None else not less
+
+
+# --------------------------------------------------------------------------------------------------------- executing
+def _perform(program: Program, instruction: Instruction, state: State) -> None:
+    for index, op in enumerate(instruction.ops):
+        _micro(program, instruction.address, index, op, state)
+    for temporary in [r for r in state.registers if r > 15]:
+        del state.registers[temporary]
+
+
+def _value(program: Program, state: State, operand: Operand) -> Term:
+    if isinstance(operand, Imm):
+        return number(operand.value)
+    if operand not in state.registers:
+        state.registers[operand] = program.unknown()
+    return state.registers[operand]
+
+
+def _micro(program: Program, address: int, index: int, op: MicroOp, state: State) -> None:
+    match op:
+        case Compute():
+            a, b = _value(program, state, op.a), _value(program, state, op.b)
+            state.registers[op.dst] = _computed(program, op.op, a, b, state.flags)
+        case Load(dst, where, size, is_signed):
+            loaded = _load(program, state, _value(program, state, where), size)
+            if is_signed and size < 4:
+                loaded = compute(Op.SXTB if size == 1 else Op.SXTH, loaded, ZERO) or program.unknown()
+            state.registers[dst] = loaded
+        case Store(where, value, size):
+            _store(program, state, (address, index), _value(program, state, where), size, _value(program, state, value))
+        case StoreUnknown(where, size):
+            _store(program, state, (address, index), _value(program, state, where), size, None)
+        case SetFlags(kind, a_operand, b_operand):
+            a, b = _value(program, state, a_operand), _value(program, state, b_operand)
+            state.flags = set_flags(kind, a, b, state.flags)
+        case SetCarry(shift, shifted, amount):
+            terms = _value(program, state, shifted), _value(program, state, amount)
+            state.flags = set_carry(shift, *terms, state.flags)
+
+
+def _computed(program: Program, op: Op, a: Term, b: Term, flags: Flags) -> Term:
+    if op in (Op.ADC, Op.SBC, Op.RRX):
+        carry = carry_term(flags) or program.unknown(0, 1)
+        if op is Op.ADC:
+            return add(add(a, b), carry)
+        if op is Op.SBC:
+            return add(subtract(subtract(a, b), number(1)), carry)
+        half = compute(Op.LSR, a, number(1))
+        return program.unknown() if half is None else add(half, scale(carry, 1 << 31))
+    return compute(op, a, b) or program.unknown()
+
+
+def locate(address: Term, size: int) -> Cell | None:
+    """The cell that the address term names, if it is a constant distance from the frame's base or from zero."""
+    if address.is_constant:
+        return Cell(Base.ABSOLUTE, address.constant, size)
+    if address.parts == frozenset({(FrameBase(), 1)}):
+        return Cell(Base.SP, signed(address.constant), size)
+    return None
+
+
+def overlap(cell: Cell, region: Region) -> bool:
+    """Whether the cell has a byte in the region."""
+    return cell.base is region.base and cell.offset <= region.high and region.low < cell.offset + cell.size
+
+
+def region_of(cell: Cell) -> Region:
+    """The bytes of the cell."""
+    return Region(cell.base, cell.offset, cell.offset + cell.size - 1)
+
+
+def _load(program: Program, state: State, address: Term, size: int) -> Term:
+    top = (1 << 8 * size) - 1
+    cell = locate(address, size)
+    if cell is None:
+        return program.unknown(0, top)
+    if cell.base is Base.ABSOLUTE:
+        constant = program.values.constant(cell)
+        if constant is not None:
+            return number(constant)
+        if not program.values.tracked(cell):
+            return program.unknown(0, top)
+    if cell in state.cells:
+        return state.cells[cell]
+    if any(overlap(cell, region_of(other)) for other in state.cells) or any(overlap(cell, r) for r in state.lost):
+        return program.unknown(0, top)
+    return variable(cell)
+
+
+def _store(
+    program: Program, state: State, where: tuple[int, int], address: Term, size: int, value: Term | None
+) -> None:
+    cell = locate(address, size)
+    if cell is None:
+        for region in store_regions(program, where):
+            _lose(state, region)
+        return
+    _lose(state, region_of(cell))
+    if value is not None and size < 4:
+        value = compute(Op.UXTB if size == 1 else Op.UXTH, value, ZERO)
+    if size <= 4:
+        state.cells[cell] = value or program.unknown(0, (1 << 8 * size) - 1)
+
+
+def store_regions(program: Program, where: tuple[int, int]) -> tuple[Region, ...]:
+    """The memory that a store may change, of those parts of memory that summaries talk about."""
+    target = program.frame.stores.get(where)
+    if target is not None and target.region is not None:
+        return (target.region,)
+    region = program.values.access(*where)
+    if region is not None:
+        return (region,)
+    frame = target is None or target.frame or program.frame.escapes
+    return (ALL_FRAME, ALL_MEMORY) if frame else (ALL_MEMORY,)
+
+
+def _lose(state: State, region: Region) -> None:
+    for cell in [c for c in state.cells if overlap(c, region)]:
+        del state.cells[cell]
+        if region_of(cell) not in state.lost:
+            state.lost += (region_of(cell),)
+    if region not in state.lost:
+        state.lost += (region,)
+
+
+def _call(program: Program, state: State, effects: CallEffects) -> None:
+    a, b = state.registers.get(0), state.registers.get(1)
+    forget(program, state, call_changes(program, effects))
+    if effects.helper is None or a is None or b is None:
+        return
+    quotient = compute(Op.UDIV, a, b)
+    product = quotient and compute(Op.MUL, quotient, b)
+    if quotient is not None and effects.helper in (Helper.UDIV, Helper.UDIVMOD):
+        state.registers[0] = quotient
+    if product is not None and effects.helper in (Helper.UMOD, Helper.UDIVMOD):
+        state.registers[1 if effects.helper is Helper.UDIVMOD else 0] = subtract(a, product)
+
+
+def call_changes(program: Program, effects: CallEffects) -> Changes:
+    """What a call may change."""
+    regions = {ALL_MEMORY} if effects.memory else set()
+    if program.frame.escapes if effects.frame is None else effects.frame:
+        regions.add(ALL_FRAME)
+    return Changes(effects.registers | {FLAGS}, frozenset(regions))
+
+
+def forget(program: Program, state: State, changes: Changes) -> None:
+    """Make everything that `changes` names unknown."""
+    for register in changes.registers:
+        if register < 15 and register != FLAGS:
+            state.registers[register] = program.unknown()
+    for region in changes.memory:
+        _lose(state, region)
+    state.flags = UNKNOWN
+
+
+def loop_changes(program: Program, loop: Loop) -> Changes:
+    """What the blocks of a loop may change. A register that points to the same place in the frame always is kept."""
+    registers: set[int] = set()
+    memory: set[Region] = set()
+    for block in loop.blocks:
+        for instruction in program.cfg.blocks[block].instructions:
+            for index, op in enumerate(instruction.ops):
+                if isinstance(op, Compute | Load):
+                    registers.add(op.dst)
+                elif isinstance(op, Store | StoreUnknown):
+                    memory.update(store_regions(program, (instruction.address, index)))
+            if isinstance(instruction.flow, SupervisorCall):
+                registers |= AAPCS.registers
+                memory.update(call_changes(program, AAPCS).memory)
+        for index in program.leaving.get(block, ()):
+            edge = program.cfg.edges[index]
+            if edge.kind in (EdgeKind.CALL, EdgeKind.TAIL_CALL) and edge.target != EXIT:
+                changes = call_changes(program, program.effects.get(index, AAPCS))
+                registers |= changes.registers
+                memory |= changes.memory
+    kept = program.frame.offsets[loop.header]
+    return Changes(frozenset(r for r in registers if r <= 15 and r not in kept) | {FLAGS}, frozenset(memory))
+
+
+# ----------------------------------------------------------------------------------------------------------- merging
+def _merged(program: Program, states: list[State], live: frozenset[int] | None) -> list[State]:
+    """States with the same live values become one; when there are still too many, all do."""
+    kept: list[State] = []
+    for state in states:
+        if live is not None:
+            state.registers = {r: t for r, t in state.registers.items() if r in live or r == 13}
+            if FLAGS not in live:
+                state.flags = UNKNOWN
+        for other in kept:
+            if (state.registers, state.cells, state.lost, state.flags) == (
+                other.registers,
+                other.cells,
+                other.lost,
+                other.flags,
+            ):
+                other.known &= state.known
+                break
+        else:
+            kept.append(state)
+    return [_joined(program, kept)] if len(kept) > MOST_STATES else kept
+
+
+def _joined(program: Program, states: list[State]) -> State:
+    """One state that covers all: what differs becomes unknown, a constant difference becomes a small range."""
+    first, rest = states[0], states[1:]
+    if not rest:
+        return first
+    registers = {}
+    for register in first.registers:
+        terms = [s.registers.get(register) for s in states]
+        registers[register] = _joined_terms(program, terms)
+    cells: dict[Cell, Term] = {}
+    lost = tuple(dict.fromkeys(r for s in states for r in s.lost))
+    for cell in dict.fromkeys(c for s in states for c in s.cells):
+        values = [_peek(s, cell) for s in states]
+        if all(v is not None for v in values):
+            cells[cell] = _joined_terms(program, values, (1 << 8 * cell.size) - 1)
+        elif region_of(cell) not in lost:
+            lost += (region_of(cell),)
+    flags = first.flags if all(s.flags == first.flags for s in rest) else UNKNOWN
+    known = frozenset.intersection(*(s.known for s in states))
+    return State(registers, cells, lost, flags, known)
+
+
+def _peek(state: State, cell: Cell) -> Term | None:
+    """The cell's value if the state knows it, also when it is still the one of the start."""
+    if cell in state.cells:
+        return state.cells[cell]
+    if any(overlap(cell, region_of(c)) for c in state.cells) or any(overlap(cell, r) for r in state.lost):
+        return None
+    return variable(cell)
+
+
+def _joined_terms(program: Program, terms: list[Term | None], top: int = WORD - 1) -> Term:
+    first = terms[0]
+    if first is None or any(t is None for t in terms):
+        return program.unknown(0, top)
+    if all(t == first for t in terms):
+        return first
+    low = high = 0
+    for term in terms:
+        assert term is not None
+        difference = bounds(subtract(term, first)).signed
+        low, high = min(low, difference[0]), max(high, difference[1])
+    if high - low < 1 << 16:
+        return add(first, program.unknown(low, high))
+    return program.unknown(0, top)
+
+
+def value_at(program: Program, state: State, location: Location) -> Term:
+    """The value of a register or cell in a state."""
+    if isinstance(location, int):
+        return state.registers.get(location) or program.unknown()
+    return _peek(state, location) or program.unknown(0, (1 << 8 * location.size) - 1)
+
