@@ -1,0 +1,1 @@
+"""The resolved, typed model of an architecture: names bound, units converted, defaults applied, connections checked."""

@@ -1,13 +1,12 @@
 """The resolved, typed model: names are bound, units converted, defaults applied and marked. The input of `lower`.
 
-Times are picoseconds. Objects refer to each other by value where the target is immutable and by name where a cycle would
-arise. Every object keeps the span it was written at, for diagnostics of later stages.
+Times are picoseconds. Objects refer to each other by value where the target is immutable and by name where a cycle
+would arise. Every object keeps the span it was written at, for diagnostics of later stages.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from enum import Enum
 
 from mauve.model.types import Type
 from mauve.source import Span
@@ -49,8 +48,8 @@ class Datum:
 
 @dataclass(frozen=True, slots=True)
 class Codel:
-    """A C function. `reads` and `writes` name ports, properties, variables, or parameters of the operation it implements.
-    `wcet` is the declared time; `symbol` a fixed name of the function."""
+    """A C function. `reads` and `writes` name ports, properties, variables, or parameters of the operation it
+    implements. `wcet` is the declared time; `symbol` a fixed name of the function."""
 
     name: str
     reads: tuple[str, ...]
@@ -105,8 +104,8 @@ Step = RunCodel | CallMethod
 
 @dataclass(frozen=True, slots=True)
 class Activity:
-    """The steps of one role of a state. `every` is a period of its own; `apart` the least separation of a `once` activity
-    (0 when none was given), None for an activity that is executed at each step."""
+    """The steps of one role of a state. `every` is a period of its own; `apart` the least separation of a `once`
+    activity (0 when none was given), None for an activity that is executed at each step."""
 
     role: Role
     steps: tuple[Step, ...]
@@ -192,8 +191,8 @@ class Component:
 # ------------------------------------------------------------------------------------------------ architecture
 @dataclass(frozen=True, slots=True)
 class Instance:
-    """A component in an architecture. Periodic (`period`), or sporadic with a least separation (`period` too, `sporadic`
-    true). Passive and external instances have neither period, priority nor deadline."""
+    """A component in an architecture. Periodic (`period`), or sporadic with a least separation (`period` too,
+    `sporadic` true). Passive and external instances have neither period, priority nor deadline."""
 
     name: str
     component: Component
@@ -362,8 +361,8 @@ class Interrupt:
 
 @dataclass(frozen=True, slots=True)
 class RegionId:
-    """A region of an instance: the path of region names from the outermost (`spooler.processing`), or the whole instance's
-    single region when `path` is empty; `ports` of an instance stand for its port exchange."""
+    """A region of an instance: the path of region names from the outermost (`spooler.processing`), or the whole
+    instance's single region when `path` is empty; `ports` of an instance stand for its port exchange."""
 
     instance: str
     path: tuple[str, ...]

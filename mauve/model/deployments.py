@@ -1,0 +1,314 @@
+"""From written deployments to resolved ones: what `extends` inherits, nodes, binaries, assumed times, threads."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from mauve.diagnostics.diagnostic import Diagnostic, Fix, Label, Report
+from mauve.model.model import (
+    Architecture,
+    Assumption,
+    Binary,
+    Board,
+    CodelId,
+    Component,
+    Deployment,
+    Interrupt,
+    LoopFact,
+    Node,
+)
+from mauve.model.names import Scope, duplicate, unknown
+from mauve.model.threads import check_placement, resolve_threads
+from mauve.source import Span
+from mauve.syntax import ast
+from mauve.syntax.quantities import time_of
+
+
+@dataclass(frozen=True, slots=True)
+class Platform:
+    """What deployments refer to, by the identity of declarations; boards by name for those given as strings."""
+
+    scope: Scope
+    architectures: Mapping[int, Architecture]
+    boards: Mapping[int, Board | None]
+    standard_boards: Mapping[str, Board]
+    directory: str
+
+
+def resolve_deployment(declaration: ast.DeploymentDecl, platform: Platform, report: Report) -> Deployment | None:
+    """The deployment of a declaration with everything it inherits, or None where it has no architecture."""
+    chain = _chain(declaration, platform, report)
+    if chain is None:
+        return None
+    root = chain[-1]
+    if root.architecture is None:
+        help_ = Fix(f"write `deployment {root.name} of ARCHITECTURE`")
+        report.add(Diagnostic("MV110", f"`{root.name}` deploys no architecture", Label(root.name.span), help=help_))
+        return None
+    found = platform.scope.find(root.architecture, (ast.ArchitectureDecl,))
+    architecture = platform.architectures.get(id(found)) if found is not None else None
+    if architecture is None:
+        known = {n: d.name.span for n, d in platform.scope.of_kind((ast.ArchitectureDecl,)).items()}
+        message = f"there is no architecture `{root.architecture}`"
+        span = root.architecture.span
+        report.add(unknown("MV110", message, platform.scope.where(), span, known, "an architecture"))
+        return None
+    nodes = tuple(
+        node
+        for item in _merged_nodes(chain, report)
+        if (node := _node(item, architecture, platform, report)) is not None
+    )
+    result = Deployment(
+        declaration.name.text, declaration.abstract, architecture, nodes,
+        next((d.expect_unschedulable for d in chain if d.expect_unschedulable), None), declaration.name.span,
+    )  # fmt: skip
+    if not declaration.abstract:
+        check_placement(result, report)
+    return result
+
+
+def _chain(
+    declaration: ast.DeploymentDecl, platform: Platform, report: Report
+) -> tuple[ast.DeploymentDecl, ...] | None:
+    """The deployment and those it extends, itself first."""
+    chain = [declaration]
+    while (parent := chain[-1].extends) is not None:
+        found = platform.scope.find(parent, (ast.DeploymentDecl,))
+        if not isinstance(found, ast.DeploymentDecl):
+            known = {n: d.name.span for n, d in platform.scope.of_kind((ast.DeploymentDecl,)).items()}
+            message = f"there is no deployment `{parent}`"
+            report.add(unknown("MV110", message, platform.scope.where(), parent.span, known, "a deployment"))
+            return None
+        if found in chain:
+            walk = " -> ".join(f"`{d.name}`" for d in (*chain[chain.index(found) :], found))
+            message = f"the deployment `{found.name}` extends itself"
+            report.add(Diagnostic("MV404", message, Label(parent.span), notes=(f"the walk is {walk}",)))
+            return None
+        chain.append(found)
+    return tuple(chain)
+
+
+@dataclass(slots=True)
+class MergedNode:
+    """A node with its processes, after inheritance: later declarations replace threads of the same name and add
+    the rest."""
+
+    declaration: ast.NodeDecl
+    binaries: list[ast.BinaryDecl]
+    assumes: list[ast.AssumeDecl]
+    interrupts: list[ast.InterruptDecl]
+    schedules: list[ast.ScheduleDecl]
+    exchanges: list[ast.ExchangeDecl]
+    threads: dict[str, ast.ThreadDecl]
+    processes: set[str]
+
+
+def _merged_nodes(chain: tuple[ast.DeploymentDecl, ...], report: Report) -> list[MergedNode]:
+    nodes: dict[str, MergedNode] = {}
+    for deployment in reversed(chain):
+        own: dict[str, Span] = {}
+        for node in deployment.nodes:
+            if node.name.text in own:
+                report.add(duplicate("node", node.name, own[node.name.text]))
+                continue
+            own[node.name.text] = node.name.span
+            merged = nodes.get(node.name.text)
+            if merged is None:
+                merged = nodes[node.name.text] = MergedNode(node, [], [], [], [], [], {}, set())
+            merged.declaration = node
+            merged.binaries += node.binaries
+            merged.assumes = [*node.assumes, *merged.assumes]
+            merged.interrupts += node.interrupts
+            merged.schedules += node.schedules
+            for process in node.processes:
+                _merge_process(merged, process.name.parts[-1].text, process, report)
+        for process in deployment.processes:
+            parts = process.name.parts
+            holder = nodes.get(parts[0].text)
+            if len(parts) != 2 or holder is None or parts[1].text not in holder.processes:
+                known = [f"{n}.{p}" for n, m in nodes.items() for p in sorted(m.processes)]
+                label = "its processes are " + ", ".join(f"`{k}`" for k in known) if known else "it inherits no process"
+                message = f"`{deployment.name}` has no process `{process.name}`"
+                report.add(unknown("MV100", message, label, process.name.span, [], "a process"))
+                continue
+            _merge_process(holder, parts[1].text, process, report)
+    return list(nodes.values())
+
+
+def _merge_process(node: MergedNode, name: str, process: ast.ProcessDecl, report: Report) -> None:
+    node.processes.add(name)
+    node.binaries += process.binaries
+    node.assumes = [*process.assumes, *node.assumes]
+    node.schedules += process.schedules
+    node.exchanges += process.exchanges
+    own: dict[str, Span] = {}
+    for thread in process.threads:
+        if thread.name.text in own:
+            report.add(duplicate("thread", thread.name, own[thread.name.text]))
+            continue
+        own[thread.name.text] = thread.name.span
+        node.threads[thread.name.text] = thread
+
+
+def _node(item: MergedNode, architecture: Architecture, platform: Platform, report: Report) -> Node | None:
+    board = _board(item.declaration, platform, report)
+    components = {instance.component.name: instance.component for instance in architecture.instances}
+    binaries = tuple(_binary(b, components, platform.directory, report) for b in item.binaries)
+    assumptions = tuple(a for decl in item.assumes for a in _assumptions(decl, components, report))
+    interrupts = tuple(i for decl in item.interrupts if (i := _interrupt(decl, bool(binaries), report)) is not None)
+    policies = _schedules(item, report)
+    threads = resolve_threads(tuple(item.threads.values()), architecture, report)
+    exchanges = tuple(e for decl in item.exchanges if (e := _exchange(decl, architecture, report)) is not None)
+    if board is None:
+        return None
+    name = item.declaration.name
+    monotonic = "rate_monotonic" in policies
+    return Node(name.text, board, binaries, assumptions, interrupts, threads, exchanges, monotonic, name.span)
+
+
+def _board(node: ast.NodeDecl, platform: Platform, report: Report) -> Board | None:
+    name = node.board
+    if isinstance(name, ast.String):
+        board = platform.standard_boards.get(name.value)
+        if board is None:
+            message = f"there is no board `{name.value}`"
+            label = "not one of the standard library"
+            report.add(unknown("MV109", message, label, name.span, list(platform.standard_boards), "a board"))
+        return board
+    found = platform.scope.find(name, (ast.BoardDecl,))
+    if found is None:
+        known = {n: d.name.span for n, d in platform.scope.of_kind((ast.BoardDecl,)).items()}
+        message = f"there is no board `{name}`"
+        report.add(unknown("MV109", message, platform.scope.where(), name.span, known, "a board"))
+        return None
+    return platform.boards.get(id(found))
+
+
+def _schedules(item: MergedNode, report: Report) -> set[str]:
+    known = ("fixed_priority", "rate_monotonic")
+    policies = {schedule.policy.text for schedule in item.schedules}
+    for schedule in item.schedules:
+        if schedule.policy.text not in known:
+            message = f"`{schedule.policy}` is no scheduling policy that is analysed"
+            label = "the policies are " + ", ".join(f"`{name}`" for name in known)
+            report.add(unknown("MV407", message, label, schedule.policy.span, list(known), "a policy"))
+    return policies
+
+
+def _codel(path: ast.Path, components: Mapping[str, Component], report: Report) -> CodelId | None:
+    if len(path.parts) != 2:
+        report.add(Diagnostic("MV107", f"`{path}` is no codel", Label(path.span, "write `Component.codel`")))
+        return None
+    component = components.get(path.parts[0].text)
+    if component is None:
+        known = {name: c.span for name, c in components.items()}
+        message = f"the architecture has no component `{path.parts[0]}`"
+        label = "its components are " + ", ".join(f"`{n}`" for n in known) if known else "it has no instances"
+        report.add(unknown("MV101", message, label, path.parts[0].span, known, "a component"))
+        return None
+    name = path.parts[1]
+    codels = {codel.name: codel.span for codel in component.codels}
+    if name.text not in codels:
+        message = f"`{component.name}` has no codel `{name}`"
+        label = "its codels are " + ", ".join(f"`{n}`" for n in codels) if codels else "it declares no codels"
+        report.add(unknown("MV107", message, label, name.span, codels, "a codel"))
+        return None
+    return CodelId(component.name, name.text)
+
+
+def _binary(item: ast.BinaryDecl, components: Mapping[str, Component], directory: str, report: Report) -> Binary:
+    symbols: list[tuple[CodelId, str, Span]] = []
+    for binding in item.symbols:
+        codel = _codel(binding.codel, components, report)
+        if codel is None:
+            continue
+        first = next((span for other, _, span in symbols if other == codel), None)
+        if first is not None:
+            report.add(duplicate("symbol", ast.Name(str(codel), binding.codel.span), first))
+            continue
+        symbols.append((codel, binding.symbol.value, binding.symbol.span))
+    loops = tuple(fact for decl in item.loops if (fact := _loop(decl, report)) is not None)
+    facts = tuple((_under(directory, f.path.value), f.path.span) for f in item.facts)
+    return Binary(_under(directory, item.path.value), tuple(symbols), loops, facts, item.path.span)
+
+
+def _under(directory: str, path: str) -> str:
+    """A path relative to the model's file, in terms of the caller's directory."""
+    import posixpath
+
+    return path if path.startswith("/") or not directory else posixpath.normpath(posixpath.join(directory, path))
+
+
+def _loop(item: ast.LoopFactDecl, report: Report) -> LoopFact | None:
+    for number in (item.maximum, item.total):
+        if number is not None and (not number.is_integer or number.integer < 0):
+            report.add(Diagnostic("MV516", f"`{number.text}` is no number of iterations", Label(number.span)))
+            return None
+    maximum = item.maximum.integer if item.maximum else None
+    total = item.total.integer if item.total else None
+    if isinstance(item.place, ast.Number):
+        return LoopFact(None, None, None, item.place.integer, maximum, total, item.span)
+    text = item.place.value
+    file, colon, line = text.rpartition(":")
+    if colon and line.isdigit() and file:
+        return LoopFact(file, int(line), None, None, maximum, total, item.span)
+    offset = item.offset.integer if item.offset is not None and item.offset.is_integer else 0
+    if not text or colon:
+        message = f"`{text}` is no place in a program"
+        help_ = Fix('write a source line `"file.c:41"`, a symbol `"function"+0x10`, or an address `0x8000`')
+        report.add(Diagnostic("MV516", message, Label(item.place.span), help=help_))
+        return None
+    return LoopFact(None, None, text, offset, maximum, total, item.span)
+
+
+def _assumptions(item: ast.AssumeDecl, components: Mapping[str, Component], report: Report) -> list[Assumption]:
+    wcet = time_of(item.wcet, report)
+    if wcet is not None and wcet < 0:
+        report.add(Diagnostic("MV401", "an execution time cannot be negative", Label(item.wcet.span)))
+        wcet = None
+    if wcet is None:
+        return []
+    if not item.targets:
+        return [Assumption(None, wcet, item.span)]
+    codels = [(_codel(path, components, report), path.span) for path in item.targets]
+    return [Assumption(codel, wcet, span) for codel, span in codels if codel is not None]
+
+
+def _interrupt(item: ast.InterruptDecl, has_binary: bool, report: Report) -> Interrupt | None:
+    every = time_of(item.every, report)
+    wcet = time_of(item.wcet, report) if item.wcet else None
+    if every is not None and every <= 0:
+        message = f"the interrupt `{item.name}` every {item.every.span.text}"
+        report.add(Diagnostic("MV401", message, Label(item.every.span, "must be longer than 0")))
+        return None
+    if every is None or (item.wcet is not None and wcet is None):
+        return None
+    if wcet is not None and wcet < 0:
+        report.add(Diagnostic("MV401", "an execution time cannot be negative", Label(item.span)))
+        return None
+    if wcet is None and (item.symbol is None or not has_binary):
+        message = f"the interrupt `{item.name}` has no execution time"
+        help_ = Fix('write `wcet 3us`, or `symbol "HANDLER"` beside a binary')
+        report.add(Diagnostic("MV520", message, Label(item.name.span), help=help_))
+        return None
+    return Interrupt(item.name.text, every, wcet, item.symbol.value if item.symbol else None, item.name.span)
+
+
+def _exchange(item: ast.ExchangeDecl, architecture: Architecture, report: Report) -> tuple[str, int, Span] | None:
+    """The cost of a port exchange: of every instance for `ports`, of one for `instance.ports`."""
+    cost = time_of(item.cost, report)
+    parts = item.target.parts
+    if parts[-1].text != "ports" or len(parts) > 2:
+        help_ = Fix("write `exchange ports 2ms`, or `exchange instance.ports 2ms`")
+        report.add(Diagnostic("MV100", f"`{item.target}` is no port exchange", Label(item.target.span), help=help_))
+        return None
+    if len(parts) == 2 and parts[0].text not in {i.name for i in architecture.instances}:
+        known = {i.name: i.span for i in architecture.instances}
+        message = f"there is no instance `{parts[0]}`"
+        report.add(unknown("MV106", message, "unknown", parts[0].span, known, "an instance"))
+        return None
+    if cost is not None and cost < 0:
+        report.add(Diagnostic("MV401", "a cost cannot be negative", Label(item.cost.span)))
+        return None
+    return None if cost is None else (parts[0].text if len(parts) == 2 else "", cost, item.target.span)

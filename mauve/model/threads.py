@@ -1,0 +1,136 @@
+"""Threads: which regions each one executes, and that every region is executed by exactly one (seed 000, FraCC)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from mauve.diagnostics.diagnostic import Diagnostic, Fix, Label, Report
+from mauve.model.execution import execution_settings
+from mauve.model.model import Architecture, Deployment, Instance, Region, RegionId, Thread
+from mauve.model.names import unknown
+from mauve.source import Span
+from mauve.syntax import ast
+
+PORTS = "ports"
+"""The member of an instance that stands for its port exchange."""
+
+
+def resolve_threads(
+    declarations: tuple[ast.ThreadDecl, ...], architecture: Architecture, report: Report
+) -> tuple[Thread, ...]:
+    """The threads of a node with their members bound."""
+    threads: list[Thread] = []
+    for item in declarations:
+        members = tuple(
+            (member, path.span) for path in item.members if (member := _member(path, architecture, report)) is not None
+        )
+        settings = execution_settings(item.attributes, report)
+        threads.append(
+            Thread(
+                item.name.text,
+                members,
+                settings.get(ast.Execution.PERIOD),
+                settings.get(ast.Execution.DEADLINE),
+                settings.get(ast.Execution.PRIORITY),
+                item.name.span,
+            )
+        )
+    return tuple(threads)
+
+
+def _member(path: ast.Path, architecture: Architecture, report: Report) -> RegionId | None:
+    instances = {instance.name: instance for instance in architecture.instances}
+    first = path.parts[0]
+    instance = instances.get(first.text)
+    if instance is None:
+        known = {name: i.span for name, i in instances.items()}
+        message = f"there is no instance `{first}`"
+        report.add(
+            unknown("MV106", message, "a thread executes instances and regions", first.span, known, "an instance")
+        )
+        return None
+    if not instance.active:
+        message = f"`{first}` has nothing that a thread could execute"
+        labels = (Label(instance.component.span, f"a {instance.component.kind.value} component"),)
+        report.add(Diagnostic("MV407", message, Label(first.span), labels=labels))
+        return None
+    names = tuple(part.text for part in path.parts[1:])
+    if names == (PORTS,):
+        return RegionId(instance.name, names)
+    regions = instance.component.regions
+    for part in path.parts[1:]:
+        region = next((r for r in regions if r.name == part.text), None)
+        if region is None:
+            known_regions = {r.name: r.span for r in regions if r.name}
+            label = "its regions are " + ", ".join(f"`{n}`" for n in known_regions) if known_regions else "it has none"
+            message = f"`{instance.component.name}` has no region `{part}`"
+            report.add(unknown("MV100", message, label, part.span, list(known_regions), "a region"))
+            return None
+        regions = tuple(nested for state in region.states for nested in state.regions)
+    return RegionId(instance.name, names)
+
+
+def region_ids(instance: Instance) -> Iterator[tuple[RegionId, Region]]:
+    """Every region of an instance, outer ones before inner ones; one without a name has the instance's path."""
+    yield from _nested(instance.name, (), instance.component.regions)
+
+
+def _nested(instance: str, path: tuple[str, ...], regions: tuple[Region, ...]) -> Iterator[tuple[RegionId, Region]]:
+    for region in regions:
+        here = (*path, region.name) if region.name else path
+        yield RegionId(instance, here), region
+        for state in region.states:
+            yield from _nested(instance, here, state.regions)
+
+
+def covering(member: RegionId, region: RegionId) -> bool:
+    """Whether placing `member` places `region`, unless something nearer does."""
+    return member.instance == region.instance and region.path[: len(member.path)] == member.path
+
+
+def placement(deployment: Deployment) -> dict[RegionId, Thread]:
+    """The thread that executes each region: that of the nearest member around it."""
+    placed: dict[RegionId, tuple[int, Thread]] = {}
+    for node in deployment.nodes:
+        for thread in node.threads:
+            for member, _ in thread.members:
+                for instance in deployment.architecture.instances:
+                    for region, _r in region_ids(instance):
+                        if covering(member, region) and placed.get(region, (-1, None))[0] < len(member.path):
+                            placed[region] = (len(member.path), thread)
+    return {region: thread for region, (_, thread) in placed.items()}
+
+
+def check_placement(deployment: Deployment, report: Report) -> None:
+    """MV402 for a region that two threads execute, MV403 for one that none executes while threads are declared."""
+    threads = [thread for node in deployment.nodes for thread in node.threads]
+    if not threads:
+        return
+    _check_twice(threads, report)
+    placed = placement(deployment)
+    for instance in deployment.architecture.instances:
+        if not instance.active:
+            continue
+        missing = [region for region, _ in region_ids(instance) if region not in placed]
+        whole = len(missing) == len(list(region_ids(instance)))
+        for region in missing[:1] if whole else missing:
+            name = instance.name if whole else str(region)
+            message = f"no thread of `{deployment.name}` executes `{name}`"
+            labels = (Label(instance.span, "the instance"),)
+            help_ = Fix(f"name it in a thread: `thread NAME {{ {name} }}`")
+            report.add(Diagnostic("MV403", message, Label(deployment.span), labels=labels, help=help_))
+
+
+def _check_twice(threads: list[Thread], report: Report) -> None:
+    first: dict[RegionId, tuple[Thread, Span]] = {}
+    for thread in threads:
+        for member, span in thread.members:
+            if member in first:
+                other, earlier = first[member]
+                what = "region" if member.path else "instance"
+                where = "two threads" if other is not thread else f"the thread `{thread.name}` twice"
+                message = f"{what} `{member}` runs in {where}"
+                labels = (Label(earlier, "first here"),)
+                report.add(Diagnostic("MV402", message, Label(span, "and here"), labels=labels))
+            else:
+                first[member] = (thread, span)
