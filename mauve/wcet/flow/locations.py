@@ -157,7 +157,7 @@ class Helper(Enum):
 class CallEffects:
     """What a call may change: core registers, memory outside the caller's frame, the caller's frame.
 
-    Flags are always lost. Frames of callees lie below sp and are of no interest to the caller. `frame` None: the frame is
+    Flags are always lost. Frames of callees lie below sp and are of no interest to the caller. `frame` None: it is
     lost when the function lets the address of a part of it out of its hands.
     """
 

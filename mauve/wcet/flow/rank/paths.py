@@ -30,9 +30,6 @@ from mauve.wcet.binary.microop import (
     StoreUnknown,
     SupervisorCall,
 )
-from mauve.wcet.flow.flags import UNKNOWN, Flags, carry_term, facts, set_carry, set_flags
-from mauve.wcet.flow.frame import Frame, analyse_frame
-from mauve.wcet.flow.liveness import FLAGS, live_registers
 from mauve.wcet.flow.locations import (
     AAPCS,
     WORD,
@@ -45,7 +42,10 @@ from mauve.wcet.flow.locations import (
     NoValues,
     Region,
 )
-from mauve.wcet.flow.symbolic import (
+from mauve.wcet.flow.rank.flags import UNKNOWN, Flags, carry_term, facts, set_carry, set_flags
+from mauve.wcet.flow.rank.frame import Frame, analyse_frame
+from mauve.wcet.flow.rank.liveness import FLAGS, live_registers
+from mauve.wcet.flow.rank.terms import (
     ZERO,
     FrameBase,
     Fresh,
@@ -74,8 +74,8 @@ ALL_MEMORY = Region(Base.ABSOLUTE, 0, WORD)
 class State:
     """Registers and cells as terms, flags, and relations that hold on the way here.
 
-    `lost` are parts of memory whose contents at the start are gone; a cell that is neither in `cells` nor lost still has
-    its value of the start.
+    `lost` are parts of memory whose contents at the start are gone; a cell neither in `cells` nor lost still has its
+    value of the start.
     """
 
     registers: dict[int, Term]
@@ -174,7 +174,7 @@ def entry_states(program: Program) -> dict[int, State]:
 def _walk(
     program: Program, start: int, blocks: frozenset[int], state: State, headers: dict[int, list[State]]
 ) -> Iterable[tuple[int, State]]:
-    """Follow the edges inside `blocks` from `start`, back edges not taken; yields those not followed, with their states.
+    """Follow the edges inside `blocks` from `start` without back edges; yields those not followed, with their states.
 
     `headers` collects the states in which inner loops (and a loop at `start`) are entered.
     """

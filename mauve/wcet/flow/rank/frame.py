@@ -1,8 +1,8 @@
 """Where a function's registers point into its own stack frame, what its stores may touch, whether the frame escapes.
 
-One cheap forward pass over a function. A register holds `entry sp + constant`, or something computed from sp, or nothing
-of the stack. Assumed as everywhere (and listed in results): memory and arguments hold no address of an active frame
-unless the function itself put it there or passed it on.
+One cheap forward pass over a function. A register holds `entry sp + constant`, or something computed from sp, or
+nothing of the stack. Assumed as everywhere (and listed in results): memory and arguments hold no address of an
+active frame unless the function itself put it there or passed it on.
 """
 
 from __future__ import annotations

@@ -370,7 +370,7 @@ def _apply_bounds(op: Op, a: Interval, b: Interval) -> Interval:
 
 # ---------------------------------------------------------------------------------------------------- substitution
 def substitute(term: Term, value: Callable[[Atom], Term | None]) -> Term | None:
-    """The term with atoms replaced; `value` gives None to leave an atom as it is. None when the result grows too large."""
+    """The term with atoms replaced; `value` gives None to leave an atom as it is. None: the result grows too large."""
     result = number(term.constant)
     for part, coefficient in term.parts:
         replacement = value(part)
