@@ -3,7 +3,8 @@
 A case is a run of fenced blocks that ends with a `text` block:
 
 * `mauve` is a source file; the first one of a case is the one checked. Its name is `robot.mauve` unless the fence says
-  `title="other.mauve"`. Further sources, and blocks of any language that have a title, are files beside it.
+  `title="other.mauve"`. Further sources, and blocks of any language that have a title, are files beside it. With
+  `shared=yes` a file is there for every later case of the page.
 * `files` copies files of the checkout: `robot.elf = tests/check/data/some.elf`, one a line.
 * `options` adds command line arguments, one or more a line.
 * `text` is what the command prints on standard error, in the format `full` without colour. The exit code must be 1
@@ -84,6 +85,7 @@ def blocks(markdown: str) -> list[tuple[str, Block]]:
 def cases(markdown: str) -> list[Case]:
     """The cases of a page, in order. Raises ValueError where blocks do not add up to cases."""
     found: list[Case] = []
+    shared: dict[str, str] = {}
     current = Case("", 0, 0, "", {})
     for number, (heading, block) in enumerate(blocks(markdown)):
         match block.language:
@@ -93,6 +95,7 @@ def cases(markdown: str) -> list[Case]:
                 count = sum(c.name.split(" #")[0] == heading for c in found)
                 current.name = f"{heading} #{count + 1}" if count else heading
                 current.line, current.block, current.expected = block.first, number, block.text
+                current.files |= shared
                 current.exit_code = int(block.attributes["exit"]) if "exit" in block.attributes else None
                 found.append(current)
                 current = Case("", 0, 0, "", {})
@@ -103,10 +106,11 @@ def cases(markdown: str) -> list[Case]:
                 current.copies.update({name.strip(): source.strip() for name, _, source in pairs})
             case language:
                 title = block.attributes.get("title", "robot.mauve" if language == "mauve" else "")
-                if title in current.files:
+                if title in current.files or title in shared:
                     raise ValueError(f"the file {title} of line {block.first} is given twice")
                 if title:
-                    current.files[title] = block.text + ("\n" if block.text else "")
+                    files = shared if "shared" in block.attributes else current.files
+                    files[title] = block.text + ("\n" if block.text else "")
     if current.files:
         raise ValueError(f"the last source ({next(iter(current.files))}) has no messages after it")
     return found

@@ -12,6 +12,10 @@ PAGE = """# Names
 
 Prose, and `code`.
 
+```mauve title="board.mauve" shared=yes
+package board
+```
+
 ```mauve
 mauve 1
 import lib
@@ -47,11 +51,19 @@ mauve 1
 def test_a_case_is_its_files_copies_options_and_messages() -> None:
     first, second = cases(PAGE)
     assert first.name == "Names"
-    assert first.files == {"robot.mauve": "mauve 1\nimport lib\n", "lib/lib.mauve": "package lib\n"}
+    assert first.files == {
+        "robot.mauve": "mauve 1\nimport lib\n",
+        "lib/lib.mauve": "package lib\n",
+        "board.mauve": "package board\n",
+    }
     assert first.copies == {"copied.txt": "LICENSE"}
     assert first.options == ["--method", "paper"]
     assert first.expected == "error[MV100 unknown-name]: no"
-    assert (second.name, second.files, second.expected) == ("Fine", {"a.mauve": "mauve 1\n"}, "")
+    assert (second.name, second.files, second.expected) == (
+        "Fine",
+        {"a.mauve": "mauve 1\n", "board.mauve": "package board\n"},
+        "",
+    )
 
 
 def test_the_command_runs_beside_the_files_and_its_messages_are_compared_exactly(tmp_path: Path) -> None:
