@@ -2,8 +2,9 @@
 
     python3 build.py [--compiler gcc|clang] [--output FILE]
 
-gcc links its libgcc; clang links the compiler-rt that Zig carries. Both images hold the same codels, lie at the same
-addresses and carry DWARF lines; neither holds the path of this folder.
+gcc links its libgcc; clang links the compiler-rt that Zig carries. Both images hold the same codels, lie in the same
+memories and carry DWARF lines; neither holds the path of this folder. (The compiler-rt of the second names the folder
+of the ziglang package in its own DWARF, which no option changes.)
 """
 
 from __future__ import annotations
