@@ -2,8 +2,9 @@
 
 Two windows matter. `worst_bill`: the window w(q) of the job that attains the response; its lines sum to w(q) exactly.
 `deadline_bill`: the window from the start of the busy period to the deadline of the first job that misses it; its
-lines sum to more than the window, which is why the deadline is missed. (As long as the work released in [0, x) exceeds
-x the processor is busy; a job that is not done by d has more than d due by d.)
+lines sum to more than the window, which is why the deadline is missed: as long as the work released in [0, x) exceeds
+x the processor is busy, and a job that is not done by d has more than d due by d. (A window of 0: jitter alone exceeds
+the deadline.)
 """
 
 from __future__ import annotations
@@ -117,7 +118,7 @@ def first_finish(analysis: Analysis, name: str, steps: int = STEPS) -> int | Non
 
 
 def _bill(tasks: Sequence[Task], task: Task, job: int, window: int, charges: tuple[Charge, ...]) -> Bill:
-    charged = {(charge.task, charge.workload): charge.costs for charge in charges}
+    charged = {(charge.task, charge.place): charge.costs for charge in charges}
     lines = [
         _line(other, -(-(window + other.jitter) // other.period), window, charged)
         for other in interference_on(task, tasks).tasks
@@ -127,15 +128,15 @@ def _bill(tasks: Sequence[Task], task: Task, job: int, window: int, charges: tup
 
 
 def _line(
-    task: Task, jobs: int, window: int | None, charged: dict[tuple[str, str], tuple[int, ...]]
+    task: Task, jobs: int, window: int | None, charged: dict[tuple[str, int], tuple[int, ...]]
 ) -> BillLine:
     work = []
-    for part in task.work:
+    for place, part in enumerate(task.work):
         if window is None or not part.period:
             count = task.activations(part, jobs)
         else:
             count = -(-(window + task.jitter) // part.period)
-        costs = charged.get((task.name, part.name))
+        costs = charged.get((task.name, place))
         work.append(_work(part, count) if costs is None else _charged(part, costs[:count]))
     overhead = jobs * task.overhead
     cost = overhead + sum(one.cost for one in work)

@@ -84,6 +84,16 @@ def _as_float(value: Fraction) -> float:
     return value.numerator / value.denominator
 
 
+def float_load(task: Task) -> float:
+    """The load of a task as a float, for comparisons that `load_compared_to_one` settles exactly."""
+    load = task.overhead / task.period
+    for part in task.work:
+        curve = part.curve
+        cost = curve.cost if isinstance(curve, ConstantCurve) else _as_float(curve.mean)
+        load += cost / (part.period or task.period)
+    return load
+
+
 @dataclass(slots=True)
 class Budget:
     """How many evaluations of the right-hand side are left for one task."""
@@ -110,14 +120,13 @@ def finish(interference: Interference, base: int, start: int, budget: Budget, ab
 
     None when the budget ends; a value greater than `above` as soon as the fixed point is known to exceed it.
     """
-    at = base + interference.demand(1)
+    at = start or base + interference.demand(1)
     if at == 0:
         return 0
     room = 1.0 - interference.load
     if room > NEAR_ONE:
         # Every E_j(n) >= n x mean, so w >= (base + sum U_j J_j) / (1 - U); the factor outweighs the float's error.
         at = max(at, int((base + interference.offset) / room * (1 - 1e-7)))
-    at = max(at, start)
     while budget.steps > 0:
         if above is not None and at > above:
             return at
@@ -133,22 +142,25 @@ def job_finishes(
     task: Task,
     others: Interference,
     budget: Budget,
-    start: int = 0,
+    warm: int = 0,
     repeat: int | None = None,
     until_late: bool = False,
 ) -> JobsOutcome:
     """w(1), w(2), ... to the end of the busy period.
 
     `repeat` is the time after which all demands repeat, for a load of exactly 1 (see `repetition`): the loop ends too
-    when w(q) has grown by exactly that over repeat / T jobs. With `until_late` it ends at the first late job.
+    when w(q) has grown by exactly that over repeat / T jobs. `warm` is a lower bound of w(1) - E(1). With `until_late`
+    the loop ends at the first late job.
     """
     period, jitter = task.period, task.jitter
     finishes: list[int] = []
     jobs = repeat // period if repeat else 0
     settled = _settled(task, others) if repeat else None
+    own = task.demand(1)
+    start = warm + own if warm else 0
+    q = 0
     while True:
-        q = len(finishes) + 1
-        own = task.demand(q)
+        q += 1
         above = task.deadline + (q - 1) * period - jitter if until_late else None
         at = finish(others, task.blocking + own, start, budget, above)
         if at is None:
@@ -160,10 +172,11 @@ def job_finishes(
             return JobsOutcome(tuple(finishes), True, at, 0)
         if settled and repeat and q > jobs and at - finishes[q - 1 - jobs] == repeat and settled(q - jobs):
             return JobsOutcome(tuple(finishes), True, None, 0)
-        start = at + task.demand(q + 1) - own
+        following = task.demand(q + 1)
+        start, own = at + following - own, following
 
 
-def load_compared_to_one(tasks: Sequence[Task], estimate: float) -> int:
+def load_compared_to_one(tasks: Iterable[Task], estimate: float) -> int:
     """-1, 0 or 1 as the load of these tasks is below, exactly, or above 1; `estimate` is that load as a float."""
     if abs(estimate - 1.0) > NEAR_ONE:
         return -1 if estimate < 1.0 else 1

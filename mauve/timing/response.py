@@ -18,9 +18,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from enum import Enum
-from itertools import groupby
+from itertools import chain, groupby
 
-from mauve.timing.level import Budget, Interference, finish, job_finishes, load_compared_to_one, repetition
+from mauve.timing.exact import Refinement, refine
+from mauve.timing.level import Budget, Interference, finish, float_load, job_finishes, load_compared_to_one, repetition
 from mauve.timing.task import Kind, Task
 from mauve.timing.traces import ConstantCurve
 
@@ -58,10 +59,10 @@ class Caveat(Enum):
 
 @dataclass(frozen=True, slots=True)
 class Charge:
-    """What the exact method charges one workload of one interfering task: the costs of a concrete run."""
+    """What the exact method charges one workload (`task.work[place]`) of an interfering task, job by job."""
 
     task: str
-    workload: str
+    place: int
     costs: tuple[int, ...]
 
 
@@ -150,9 +151,9 @@ def analyse(tasks: Sequence[Task], method: Method = Method.TRACE, steps: int = S
                 for peer in peers:
                     if peer is not task:
                         others.add(peer)
-            # More interference and no less blocking than the task above: its first finish plus own work is a start.
-            start = warm[0] + task.demand(1) if task.blocking >= warm[1] else 0
-            result, first = _respond(task, others, method, Budget(steps), start)
+            # More interference and no less blocking than the task above: w(1) is its w(1) plus own work at least.
+            bound = warm[0] if task.blocking >= warm[1] else 0
+            result, first = _respond(task, others, method, Budget(steps), bound)
             found[task.name] = result
         if len(peers) == 1 and peers[0].kind is Kind.TASK and first is not None:
             warm = (first, peers[0].blocking)
@@ -188,43 +189,56 @@ def interference_on(task: Task, tasks: Sequence[Task]) -> Interference:
 
 
 def _respond(
-    task: Task, others: Interference, method: Method, budget: Budget, start: int
+    task: Task, others: Interference, method: Method, budget: Budget, warm: int
 ) -> tuple[ResponseResult, int | None]:
     """The result of one task and its w(1), where known."""
     if method is Method.PAPER:
-        return _first_job(task, others, budget, start)
-    load = others.load + float(task.load)
-    level = load_compared_to_one([*others.tasks, task], load)
+        return _first_job(task, others, budget)
+    level = load_compared_to_one(chain(others.tasks, (task,)), others.load + float_load(task))
     if level > 0:
         return _overload(task, others, method), None
     repeat = repetition([*others.tasks, task]) if level == 0 else None
-    jobs = job_finishes(task, others, budget, start, repeat)
-    first = jobs.finishes[0] if jobs.finishes else None
+    jobs = job_finishes(task, others, budget, warm, repeat)
+    finishes = jobs.finishes
+    first = finishes[0] if finishes else None
     if not jobs.closed:
         reason = Reason.FULL_LOAD if level == 0 else Reason.LIMIT
         return ResponseResult(task.name, None, task.deadline, method, reason), first
-    worst = max(range(len(jobs.finishes)), key=lambda index: (jobs.finishes[index] - index * task.period, -index))
-    end = jobs.finishes[worst]
+    lasting = [end - index * task.period for index, end in enumerate(finishes)]
+    worst = lasting.index(max(lasting))
+    if method is Method.EXACT and (refined := refine(task, others, max(lasting))) is not None:
+        return _refined(task, refined, jobs.busy), first
     result = ResponseResult(
         task=task.name,
-        wcrt=task.jitter + end - worst * task.period,
+        wcrt=task.jitter + lasting[worst],
         deadline=task.deadline,
         method=Method.TRACE if method is Method.EXACT else method,
         worst_job=worst + 1,
-        finish=end,
+        finish=finishes[worst],
         busy_period=jobs.busy,
-        caveats=_estimated(task, others, jobs.finishes[-1], len(jobs.finishes)),
+        caveats=_estimated(task, others, finishes[-1], len(finishes)),
     )
+    if method is Method.EXACT:
+        result = replace(result, caveats=(*result.caveats, Caveat.FELL_BACK))
     return result, first
 
 
+def _refined(task: Task, found: Refinement, busy: int | None) -> ResponseResult:
+    caveats = () if found.complete else (Caveat.GAVE_UP,)
+    charges = tuple(Charge(*charge) for charge in found.charges)
+    return ResponseResult(
+        task.name, found.finish, task.deadline, Method.EXACT, None, 1, found.finish, busy, caveats, charges=charges
+    )
+
+
 def _first_job(
-    task: Task, others: Interference, budget: Budget, start: int
+    task: Task, others: Interference, budget: Budget
 ) -> tuple[ResponseResult, int | None]:
     """The paper's method: w(1) alone, which is finite as long as the others leave anything of the processor."""
-    if load_compared_to_one(others.tasks, others.load) >= 0:
+    own = task.demand(1)
+    if load_compared_to_one(others.tasks, others.load) >= (0 if own else 1):
         return _overload(task, others, Method.PAPER), None
-    end = finish(others, task.demand(1), start, budget)
+    end = finish(others, own, 0, budget)
     if end is None:
         return ResponseResult(task.name, None, task.deadline, Method.PAPER, Reason.LIMIT), None
     caveats = _estimated(task, others, end, 1)
@@ -238,7 +252,7 @@ def _overload(task: Task, others: Interference, method: Method) -> ResponseResul
 
 
 def _estimated(task: Task, others: Interference, window: int, jobs: int) -> tuple[Caveat, ...]:
-    if not others.curved and all(isinstance(part.curve, ConstantCurve) for part in task.work):
+    if not others.curved and len(task.work) == 1 and isinstance(task.work[0].curve, ConstantCurve):
         return ()
     own = any(part.curve.estimated(task.activations(part, jobs)) for part in task.work)
     foreign = any(

@@ -11,7 +11,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from enum import Enum
 
-from mauve.timing.level import Budget, job_finishes, load_compared_to_one, repetition
+from mauve.timing.level import Budget, float_load, job_finishes, load_compared_to_one, repetition
 from mauve.timing.psm import PsmTransition, map_costs
 from mauve.timing.response import STEPS, Analysis, Method, analyse, interference_on
 from mauve.timing.task import Kind, Task, Workload
@@ -82,7 +82,7 @@ def _meets(tasks: Sequence[Task], name: str, method: Method, steps: int) -> bool
         return analyse(tasks, method, steps).result(name).schedulable
     task = next(one for one in tasks if one.name == name)
     others = interference_on(task, tasks)
-    level = load_compared_to_one(tasks, others.load + float(task.load))
+    level = load_compared_to_one(tasks, others.load + float_load(task))
     if level > 0:
         return False
     repeat = repetition(tasks) if level == 0 else None

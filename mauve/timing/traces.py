@@ -68,6 +68,9 @@ class ConstantCurve(Curve):
             raise ValueError("a cost is not negative")
         self.cost = cost
 
+    def __repr__(self) -> str:
+        return f"ConstantCurve({self.cost})"
+
     def total(self, jobs: int) -> int:
         """E(n) = n C."""
         return jobs * self.cost
@@ -91,6 +94,9 @@ class TableCurve(Curve):
         if not values or values[0] < 0 or any(later < earlier for earlier, later in pairwise(values)):
             raise ValueError("a workload curve has at least one value, none negative, and never falls")
         self.values = (0, *values)
+
+    def __repr__(self) -> str:
+        return f"TableCurve({self.values[1:]})"
 
     def total(self, jobs: int) -> int:
         """E(jobs) by the table and its extension."""
@@ -120,6 +126,9 @@ class FramesCurve(TableCurve):
         super().__init__([max(sums[at + n] - sums[at] for at in range(size)) for n in range(1, size + 1)])
         self.frames = tuple(frames)
 
+    def __repr__(self) -> str:
+        return f"FramesCurve({self.frames})"
+
 
 class PsmCurve(Curve):
     """The workload curve of a PSM by dynamic programming over all reachable states.
@@ -142,6 +151,9 @@ class PsmCurve(Curve):
         self._anchor, self._anchor_at = list(self._values), 0
         self._repeat: Repeat | None = None
         self._mean: Fraction | None = None
+
+    def __repr__(self) -> str:
+        return f"PsmCurve({self.psm!r})"
 
     def total(self, jobs: int) -> int:
         """E(jobs): exact up to the cap, and beyond it where the curve is proven to repeat."""

@@ -1,10 +1,10 @@
-"""Task systems for the tests: reading task sets, random systems, and a simulator that shares no code with the analysis."""
+"""Task systems for the tests: task-set files, random systems, a simulator that shares no code with the analysis."""
 
 from __future__ import annotations
 
 import json
 import random
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -131,7 +131,8 @@ def _run(part: Workload, length: int, rng: random.Random) -> list[int]:
 def simulate(tasks: list[Task], horizon: int, rng: random.Random, locked: str | None = None) -> dict[str, int]:
     """The greatest response seen of each task, in unit steps over random offsets, jitters, separations and runs.
 
-    Jobs of zero cost finish when released. The task `locked` is never preempted once it runs.
+    Jobs of one task run in the order of their arrivals; those of zero cost finish when released. The task
+    `locked` is never preempted once it runs.
     """
     jobs: list[Job] = []
     synchronous = rng.random() < 0.5
@@ -149,39 +150,21 @@ def simulate(tasks: list[Task], horizon: int, rng: random.Random, locked: str | 
                 job.arrival -= task.jitter
                 job.release = max(job.release - task.jitter, first.arrival + task.jitter)
     worst = {task.name: 0 for task in tasks}
-    pending = [job for job in jobs if job.left]
+    queues = [[job for job in reversed(jobs) if job.left and job.task == index] for index in range(len(tasks))]
     for job in jobs:
         if not job.left:
             worst[tasks[job.task].name] = max(worst[tasks[job.task].name], job.release - job.arrival)
     running: Job | None = None
     for now in range(min((job.release for job in jobs), default=0), horizon):
         if not (running and running.left and tasks[running.task].name == locked):
-            heads: dict[int, Job] = {}
-            for job in pending:
-                if job.release <= now and job.task not in heads:
-                    heads[job.task] = job
-            top = max((tasks[index].priority for index in heads), default=0)
-            ready = [job for index, job in heads.items() if tasks[index].priority == top]
+            heads = [queue[-1] for queue in queues if queue and queue[-1].release <= now]
+            top = max((tasks[job.task].priority for job in heads), default=0)
+            ready = [job for job in heads if tasks[job.task].priority == top]
             running = rng.choice(ready) if ready else None
         if running:
             running.left -= 1
             if not running.left:
-                pending.remove(running)
+                queues[running.task].pop()
                 name = tasks[running.task].name
                 worst[name] = max(worst[name], now + 1 - running.arrival)
     return worst
-
-
-def scaled(tasks: list[Task], factor: int) -> list[Task]:
-    """Every period, deadline, jitter and blocking multiplied (costs stay)."""
-    return [
-        replace(
-            task,
-            period=task.period * factor,
-            deadline=task.deadline * factor,
-            jitter=task.jitter * factor,
-            blocking=task.blocking * factor,
-            work=tuple(replace(part, period=part.period * factor) for part in task.work),
-        )
-        for task in tasks
-    ]

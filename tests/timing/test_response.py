@@ -1,4 +1,4 @@
-"""Worst-case response times: other tools' answers, the formula read literally, and simulations that never exceed them."""
+"""Worst-case response times: other tools' answers, the formula read literally, simulations that never exceed them."""
 
 from __future__ import annotations
 
@@ -164,7 +164,7 @@ def test_the_shorter_period_is_more_urgent_and_ties_go_by_declaration() -> None:
 @pytest.mark.parametrize("rest", [{"period": 0}, {"jitter": -1}, {"deadline": -5}, {"blocking": -1}])
 def test_a_task_that_cannot_be_is_refused(rest: dict[str, int]) -> None:
     values = {"period": 10, "deadline": 10, **rest}
-    with pytest.raises(ValueError, match="positive|negative"):
+    with pytest.raises(ValueError, match=r"positive|negative"):
         Task("a", 1, work=(constant("a", 1),), **values)
     with pytest.raises(ValueError, match="one name"):
         analyse([task("a", 1, 10, 1), task("a", 2, 10, 1)])
