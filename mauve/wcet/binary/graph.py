@@ -76,6 +76,8 @@ class UnresolvedKind(Enum):
     """control leaves the code of the binary"""
     SUPERVISOR = "supervisor"
     """a supervisor call"""
+    LIMIT = "limit"
+    """more instructions than the analysis is allowed to look at"""
 
 
 @dataclass(frozen=True, slots=True)

@@ -141,7 +141,8 @@ class FlagKind(Enum):
 
 @dataclass(frozen=True, slots=True)
 class SetFlags:
-    """Set the condition flags from operands as they were before the instruction wrote its result."""
+    """Set the condition flags from the operands as they are at this point: like every micro-operation it takes effect in order,
+    so an arithmetic one stands before the operation that overwrites an input, a logical one after it."""
 
     kind: FlagKind
     a: Operand = Imm(0)
@@ -182,6 +183,16 @@ class Jump:
 
     target: int
     thumb: bool
+
+
+@dataclass(frozen=True, slots=True)
+class CompareBranch:
+    """cbz and cbnz: a branch to `target` (Thumb) when the register is zero, or when it is not (`nonzero`); else control falls
+    through. The flags play no part, the instruction's condition is AL."""
+
+    register: int
+    nonzero: bool
+    target: int
 
 
 @dataclass(frozen=True, slots=True)
@@ -234,7 +245,7 @@ class Stop:
     """Control does not continue: udf, bkpt, an undefined instruction."""
 
 
-Flow = Next | Jump | Call | IndirectJump | IndirectCall | TableJump | SupervisorCall | Stop
+Flow = Next | Jump | CompareBranch | Call | IndirectJump | IndirectCall | TableJump | SupervisorCall | Stop
 
 
 # ---------------------------------------------------------------------------------------------------- timing traits
