@@ -75,10 +75,18 @@ class Report:
     """The diagnostics of one run, in the order the passes found them. Passes append, the command line renders."""
 
     diagnostics: list[Diagnostic] = field(default_factory=list)
+    _alike: dict[tuple[str, str, int], list[Diagnostic]] = field(init=False, repr=False, compare=False)
+
+    def __post_init__(self) -> None:
+        self._alike = {}
+        for diagnostic in self.diagnostics:
+            self._alike.setdefault(_key(diagnostic), []).append(diagnostic)
 
     def add(self, diagnostic: Diagnostic) -> None:
-        """Append one diagnostic, unless the same one is already there."""
-        if diagnostic not in self.diagnostics:
+        """Append one diagnostic, unless an equal one has been added before. Thousands of them cost no more than each."""
+        alike = self._alike.setdefault(_key(diagnostic), [])
+        if diagnostic not in alike:
+            alike.append(diagnostic)
             self.diagnostics.append(diagnostic)
 
     @property
@@ -98,3 +106,8 @@ class Report:
 
     def __iter__(self) -> Iterator[Diagnostic]:
         return iter(self.diagnostics)
+
+
+def _key(diagnostic: Diagnostic) -> tuple[str, str, int]:
+    """What equal diagnostics share, cheap to compare; `data` may hold what has no hash."""
+    return diagnostic.code, diagnostic.message, diagnostic.primary.span.start if diagnostic.primary else -1
