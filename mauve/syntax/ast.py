@@ -58,7 +58,7 @@ class Number:
     @property
     def integer(self) -> int:
         """Its value, when it is an integer."""
-        return int(self.text, 0)
+        return int(self.text, 16 if "x" in self.text.lower() else 10)
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,0 +1,147 @@
+"""The LALR machine: runs the table over the tokens and builds the tree at each reduction.
+
+A word is a keyword where the state of the machine has a use for it, else a name, except that reserved words never are.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from mauve.diagnostics.diagnostic import Report
+from mauve.source import SourceFile
+from mauve.syntax import ast
+from mauve.syntax.build import LEAVES, Context
+from mauve.syntax.actions import ACTIONS
+from mauve.syntax.table import Table, load_table
+from mauve.syntax.tokens import Scan, Token
+
+RESERVED = frozenset(
+    ("then", "when", "on", "after", "do", "emit", "every", "once")
+    + ("reads", "writes", "returns", "wcet", "symbol", "not", "and", "or")
+)
+"""Words that join the parts of a declaration; they are never names."""
+
+
+@dataclass(frozen=True, slots=True)
+class Snapshot:
+    """The stacks before the token at index `at`."""
+
+    at: int
+    states: list[int]
+    values: list[Any]
+    starts: list[int]
+    last_end: int
+
+
+class Machine:
+    """The stacks of one run: `states`, `values` and `starts` grow together, `states` being one longer.
+
+    `at` is the index of the next token, `last_end` the offset after the last one shifted. `suspect` is the situation
+    before the latest keyword that opened a line and was taken for a name: often what should come before it is missing.
+    """
+
+    def __init__(self, file: SourceFile, scanned: Scan, report: Report) -> None:
+        self.file = file
+        self.table: Table = load_table()
+        self.tokens = scanned.tokens
+        self.context = Context(file, report, scanned.docs)
+        self.states = [self.table.start]
+        self.values: list[Any] = []
+        self.starts: list[int] = []
+        self.at = 0
+        self.last_end = 0
+        self.suspect: Snapshot | None = None
+
+    def advance(self) -> ast.Module | None:
+        """Run until the file is read, or until the token at `at` does not fit: then None."""
+        actions, words, tokens = self.table.actions, self.table.words, self.tokens
+        states, values, starts = self.states, self.values, self.starts
+        while True:
+            token = tokens[self.at]
+            kind, text, start, end = token
+            row = actions[states[-1]]
+            if kind == "NAME" and text in words:
+                if words[text] in row or text in RESERVED:
+                    kind = words[text]
+                else:
+                    self._suspect(token)
+            action = row.get(kind)
+            while action is not None and action < 0:
+                self.reduce(~action)
+                if states[-1] == self.table.final:
+                    module: ast.Module = values[-1]
+                    return module
+                action = actions[states[-1]].get(kind)
+            if action is None:
+                return None
+            make = LEAVES.get(kind)
+            if make:
+                values.append(make(self.context, token))
+            else:
+                values.append(Token(kind, text, start, end))
+            states.append(action)
+            starts.append(start)
+            self.last_end = end
+            self.at += 1
+
+    def reduce(self, rule: int) -> None:
+        """Replace the right side of a rule on the stacks by its left side, and build its value.
+
+        The helper rules of repetitions (`__...`) make lists, which melt into the rule that uses them. A rule with an
+        action makes what the action returns, one without passes its only child on.
+        """
+        name, size = self.table.rules[rule]
+        states, values, starts = self.states, self.values, self.starts
+        begin = starts[-size] if size else self.last_end
+        children = values[-size:] if size else []
+        if size:
+            del states[-size:], values[-size:], starts[-size:]
+        if name.startswith("__"):
+            if type(children[0]) is list:
+                value: Any = children[0]
+                value.extend(children[1:])
+            else:
+                value = children
+        else:
+            action = ACTIONS.get(name)
+            if action is None:
+                (value,) = children
+            else:
+                for child in children:
+                    if type(child) is list:
+                        children = [x for c in children for x in (c if type(c) is list else (c,))]
+                        break
+                value = action(self.context, children, begin, self.last_end)
+        states.append(self.table.actions[states[-1]][name])
+        values.append(value)
+        starts.append(begin)
+
+    def push(self, token: Token) -> bool:
+        """Shift a made-up token of the given kind, reducing first; False where it does not fit."""
+        actions = self.table.actions
+        action = actions[self.states[-1]].get(token.kind)
+        while action is not None and action < 0:
+            self.reduce(~action)
+            action = actions[self.states[-1]].get(token.kind)
+        if action is None:
+            return False
+        make = LEAVES.get(token.kind)
+        self.states.append(action)
+        self.values.append(make(self.context, token) if make else token)
+        self.starts.append(token.start)
+        return True
+
+    def restore(self, snapshot: Snapshot) -> None:
+        """Go back to an earlier situation."""
+        self.states[:] = snapshot.states
+        self.values[:] = snapshot.values
+        self.starts[:] = snapshot.starts
+        self.at, self.last_end = snapshot.at, snapshot.last_end
+
+    def _suspect(self, token: Token) -> None:
+        """Remember the situation before a keyword that stands first on its line and is about to be read as a name."""
+        before = self.tokens[self.at - 1].end if self.at else 0
+        if "\n" in self.file.text[before : token.start]:
+            values = [list(value) if type(value) is list else value for value in self.values]
+            self.suspect = Snapshot(self.at, list(self.states), values, list(self.starts), self.last_end)
