@@ -83,7 +83,7 @@ class Report:
             self._alike.setdefault(_key(diagnostic), []).append(diagnostic)
 
     def add(self, diagnostic: Diagnostic) -> None:
-        """Append one diagnostic, unless an equal one has been added before. Thousands of them cost no more than each."""
+        """Append one diagnostic, unless an equal one has been added before. The cost is that of one lookup."""
         alike = self._alike.setdefault(_key(diagnostic), [])
         if diagnostic not in alike:
             alike.append(diagnostic)
