@@ -7,7 +7,7 @@ values when the loop is entered.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 from mauve.wcet.binary.graph import Cfg
@@ -24,6 +24,11 @@ from mauve.wcet.flow.locations import (
     NoValues,
     Region,
 )
+from mauve.wcet.flow.rank.affine import affine
+from mauve.wcet.flow.rank.iterate import iterate
+from mauve.wcet.flow.rank.paths import entry_states, prepare, summarise_loop
+from mauve.wcet.flow.rank.problem import MOST, Problem, pose
+from mauve.wcet.flow.rank.shapes import bits_cleared, remainders, wide_shift
 
 __all__ = [
     "ANY",
@@ -49,6 +54,15 @@ class RankBound:
     method: str
 
 
+_ARGUMENTS: tuple[tuple[str, Callable[[Problem], int | None]], ...] = (
+    ("counter", affine),
+    ("bits cleared", bits_cleared),
+    ("Euclid's algorithm", remainders),
+    ("64-bit shift", wide_shift),
+    ("intervals of the passes", iterate),
+)
+
+
 def bound_by_ranking(
     cfg: Cfg,
     nest: LoopNest,
@@ -61,4 +75,16 @@ def bound_by_ranking(
     `effects` maps the index of an edge with callees to what they may change; an edge that is missing follows AAPCS:
     r0-r3, r12, lr, the flags and all memory that is not the caller's frame are lost.
     """
-    return None
+    if any(region & loop.blocks for region in nest.irreducible) or any(b.id != i for i, b in enumerate(cfg.blocks)):
+        return None
+    program = prepare(cfg, nest, values, effects)
+    passes = summarise_loop(program, loop)
+    problem = pose(program, passes, entry_states(program).get(loop.header))
+    if not problem.passes:
+        return RankBound(1, "no pass repeats")
+    best: RankBound | None = None
+    for method, argument in _ARGUMENTS:
+        passes_made = argument(problem)
+        if passes_made is not None and passes_made <= MOST and (best is None or passes_made + 1 < best.bound):
+            best = RankBound(passes_made + 1, method)
+    return best

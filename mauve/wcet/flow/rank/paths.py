@@ -142,9 +142,7 @@ def initial_state(program: Program, block: int) -> State:
     offset = program.values.sp_offset(block)
     if offset is not None:
         offsets[13] = offset
-    registers = {
-        r: add(atom(FrameBase()), number(offsets[r])) if r in offsets else variable(r) for r in range(15)
-    }
+    registers = {r: add(atom(FrameBase()), number(offsets[r])) if r in offsets else variable(r) for r in range(15)}
     return State(registers)
 
 
@@ -554,4 +552,3 @@ def value_at(program: Program, state: State, location: Location) -> Term:
     if isinstance(location, int):
         return state.registers.get(location) or program.unknown()
     return _peek(state, location) or program.unknown(0, (1 << 8 * location.size) - 1)
-

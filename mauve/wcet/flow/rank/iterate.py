@@ -1,0 +1,153 @@
+"""Abstract execution of the passes on intervals of a few measures: shifts, doublings, divisions, halved distances."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from mauve.wcet.flow.locations import WORD, Interval
+from mauve.wcet.flow.rank.measures import Contradiction, Knowledge, hull, learn, pull_halves
+from mauve.wcet.flow.rank.problem import Problem
+from mauve.wcet.flow.rank.terms import (
+    Atom,
+    Fresh,
+    Ranges,
+    Term,
+    Var,
+    add,
+    atom,
+    atoms,
+    meet,
+    simplify,
+    substitute,
+    subtract,
+    variable,
+)
+
+MOST_STEPS = 160
+MOST_MEASURES = 10
+
+
+@dataclass(frozen=True, slots=True)
+class _Distance:
+    """The measure x - y of two variables, and the atom that stands for it inside other terms."""
+
+    x: Var
+    y: Var
+    name: Fresh
+
+    @property
+    def term(self) -> Term:
+        return subtract(atom(self.x), atom(self.y))
+
+
+def iterate(problem: Problem) -> int | None:
+    """How many passes can follow each other, by following intervals.
+
+    I(0) holds the measures at entry; I(n + 1) holds them after any pass that is possible from I(n), given the relations of
+    the pass. By induction I(n) contains the measures whenever n passes have been made; when no pass is possible from I(n),
+    at most n are ever made. Measures are the variables that the relations depend on, and the distances between variables
+    that are compared, so that the halving of an interval shows: with w = hi - lo, (lo + hi) / 2 is lo + w / 2.
+    """
+    distances = _distances(problem)
+    measures = [*_variables(problem), *(d.term for d in distances)]
+    if not 0 < len(measures) <= MOST_MEASURES:
+        return None
+    after = [[problem.after(m, i) for m in measures] for i in range(len(problem.passes))]
+    current = [problem.on_entry(m) for m in measures]
+    for steps in range(MOST_STEPS):
+        results = [
+            result
+            for index in range(len(problem.passes))
+            if (result := _step(problem, index, measures, current, after[index], distances)) is not None
+        ]
+        if not results:
+            return steps
+        following = [hull([result[k] for result in results]) for k in range(len(measures))]
+        if following == current:
+            return None
+        current = following
+    return None
+
+
+def _variables(problem: Problem) -> list[Term]:
+    """The variables in the relations, and those that their values after a pass come from."""
+    found: dict[Var, None] = {}
+    work = [
+        of
+        for s in problem.passes
+        for r in sorted(s.known, key=str)
+        for t in (r.a, r.b)
+        for of in sorted(atoms(t), key=str)
+    ]
+    while work and len(found) <= MOST_MEASURES:
+        of = work.pop(0)
+        if isinstance(of, Var) and of not in found:
+            found[of] = None
+            for index in range(len(problem.passes)):
+                after = problem.after(atom(of), index)
+                work.extend(sorted(atoms(after), key=str) if after is not None else ())
+    return [variable(of.location) for of in found]
+
+
+def _distances(problem: Problem) -> list[_Distance]:
+    """Differences of variables that some relation compares."""
+    found: dict[tuple[Var, Var], None] = {}
+    for state in problem.passes:
+        for relation in sorted(state.known, key=str):
+            parts = dict(subtract(relation.a, relation.b).parts)
+            plus = [of for of, factor in parts.items() if factor == 1 and isinstance(of, Var)]
+            minus = [of for of, factor in parts.items() if factor == WORD - 1 and isinstance(of, Var)]
+            if len(parts) == 2 and len(plus) == len(minus) == 1:
+                pair = (plus[0], minus[0])
+                if pair[::-1] in found:
+                    pair = pair[::-1]
+                found[pair] = None
+                found[pair[::-1]] = None
+    return [_Distance(x, y, Fresh(-1 - k)) for k, (x, y) in enumerate(found)][:4]
+
+
+def _step(
+    problem: Problem,
+    index: int,
+    measures: list[Term],
+    current: list[Interval],
+    after: list[Term | None],
+    distances: list[_Distance],
+) -> list[Interval] | None:
+    """The measures after pass `index` from `current`; None when the pass is impossible."""
+
+    def start(of: Atom) -> Interval:
+        return problem.invariants(of)
+
+    knowledge = Knowledge(start)
+    try:
+        for measure, values in zip(measures, current, strict=True):
+            knowledge.narrow(measure, values)
+        learn(knowledge, problem.passes[index].known)
+    except Contradiction:
+        return None
+    ranges = _with_distances(knowledge, distances)
+    return [Interval(0, WORD - 1) if t is None else _value(t, knowledge, ranges, distances) for t in after]
+
+
+def _with_distances(knowledge: Knowledge, distances: list[_Distance]) -> Ranges:
+    table: dict[Atom, Interval] = {d.name: knowledge.of_term(d.term) for d in distances}
+
+    def ranges(of: Atom) -> Interval:
+        known = table.get(of)
+        return knowledge.of_atom(of) if known is None else known
+
+    return ranges
+
+
+def _value(term: Term, knowledge: Knowledge, ranges: Ranges, distances: list[_Distance]) -> Interval:
+    """The best interval of the term as it stands and with one variable written as another plus their distance."""
+    plain = simplify(term, knowledge.of_atom)
+    best = knowledge.of_term(plain)
+    renamed = Knowledge(ranges)
+    for distance in distances:
+        whole = add(atom(distance.y), atom(distance.name))
+        there = substitute(plain, lambda of, d=distance, w=whole: w if of == d.x else None)  # type: ignore[misc]
+        if there is not None and there != plain:
+            best = meet(best, renamed.of_term(pull_halves(there, ranges)))
+    return best

@@ -1,0 +1,110 @@
+"""The question that every ranking argument answers: the passes of a loop, what holds on them, and how it is entered.
+
+The header runs once more than control passes along a back edge. A pass is the state at the end of a back edge in terms
+of the values at the start of the header, with the relations that held on the way.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from mauve.wcet.flow.locations import Interval, Location, whole
+from mauve.wcet.flow.rank.measures import Contradiction, Knowledge, learn
+from mauve.wcet.flow.rank.paths import Program, State, value_at
+from mauve.wcet.flow.rank.terms import (
+    Apply,
+    Atom,
+    FrameBase,
+    Term,
+    Var,
+    atoms,
+    bounds,
+    meet,
+    static_range,
+    substitute,
+)
+
+MOST = 1 << 20
+"""A greater number of passes only says how wide a type is, and counts as none."""
+
+
+@dataclass(slots=True)
+class Problem:
+    """A loop to rank: its passes with what is known on each, and the state in which it is entered (None: unknown)."""
+
+    program: Program
+    passes: list[State]
+    known: list[Knowledge]
+    entry: State | None
+    entry_known: Knowledge
+
+    def invariants(self, of: Atom) -> Interval:
+        """What holds of an atom at the header in any iteration."""
+        return invariants(self.program, of)
+
+    def after(self, term: Term, index: int) -> Term | None:
+        """The term's value after pass `index`, in terms of the values before."""
+        state = self.passes[index]
+
+        def value(of: Atom) -> Term | None:
+            return value_at(self.program, state, of.location) if isinstance(of, Var) else None
+
+        return substitute(term, value)
+
+    def is_invariant(self, term: Term) -> bool:
+        """Whether no pass changes the term."""
+        return all(
+            all(isinstance(of, Apply | Var | FrameBase) for of in atoms(term)) and self.after(term, i) == term
+            for i in range(len(self.passes))
+        )
+
+    def on_entry(self, term: Term) -> Interval:
+        """The term's values when the loop is entered."""
+        best = bounds(term, self._entry_range)
+        if self.entry is None:
+            return best
+        entry = self.entry
+        there = substitute(term, lambda of: value_at(self.program, entry, of.location) if isinstance(of, Var) else None)
+        return best if there is None else meet(best, self.entry_known.of_term(there))
+
+    def _entry_range(self, of: Atom) -> Interval:
+        if isinstance(of, Var):
+            return meet(whole(of.location), self.program.values.on_entry(of.location))
+        return static_range(of)
+
+    def entry_stride(self, of: Atom) -> Interval:
+        """The entry values of an atom with their stride."""
+        return self.program.values.on_entry(of.location) if isinstance(of, Var) else static_range(of)
+
+
+def invariants(program: Program, of: Atom) -> Interval:
+    """What holds of an atom at the header of the loop in any iteration."""
+    if isinstance(of, Var):
+        return meet(whole(of.location), program.values.invariant(of.location))
+    return static_range(of)
+
+
+def pose(program: Program, passes: list[State], entry: State | None) -> Problem:
+    """Put the facts of each pass together; passes whose facts contradict each other are dropped."""
+    kept: list[State] = []
+    known: list[Knowledge] = []
+    for state in passes:
+        try:
+            known.append(learn(Knowledge(lambda of: invariants(program, of)), state.known))
+            kept.append(state)
+        except Contradiction:
+            continue
+    entry_known = Knowledge(static_range)
+    if entry is not None:
+        try:
+            learn(entry_known, entry.known)
+        except Contradiction:
+            entry_known = Knowledge(static_range)
+    return Problem(program, kept, known, entry, entry_known)
+
+
+def locations(problem: Problem) -> Iterator[Location]:
+    """Registers and cells that the relations of the first pass speak of."""
+    found = {of.location for r in problem.passes[0].known for t in (r.a, r.b) for of in atoms(t) if isinstance(of, Var)}
+    yield from sorted(found, key=str)
