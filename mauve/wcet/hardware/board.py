@@ -1,4 +1,5 @@
-"""A board as the WCET engine sees it: a core, its clock, its memories, and the features that must be modelled or off."""
+"""A board as the WCET engine sees it: a core, its clock, its memories, and the features that must be modelled or
+off."""
 
 from __future__ import annotations
 
@@ -24,7 +25,8 @@ class Memory:
 
 @dataclass(frozen=True, slots=True)
 class Board:
-    """`features` are hardware mechanisms the board has switched on, in words (`icache 16KiB 4-way`, `mmu`): those that no model
+    """`features` are hardware mechanisms the board has switched on, in words (`icache 16KiB 4-way`, `mmu`): those that
+    no model
     covers are a problem of every bound. A board without memories has zero wait states everywhere."""
 
     name: str

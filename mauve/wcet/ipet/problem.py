@@ -1,0 +1,118 @@
+"""The problem of implicit path enumeration: the most expensive path through a graph whose loops are bounded.
+
+Blocks and edges are numbers; everything about instructions stays outside. Invariants (`verify`): edges name existing
+blocks or EXIT, costs are not negative, loops are entered at their headers only, every loop has a bound.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from math import prod
+
+from mauve.wcet.binary.graph import EXIT, Cfg
+from mauve.wcet.binary.loops import LoopNest
+
+
+@dataclass(frozen=True, slots=True)
+class PathProblem:
+    """`edges[i]` is (source, target) and costs `costs[i]` cycles each time it is passed. `bounds` maps the index of a
+    loop
+    to the executions of its header per entry (at least 1), `totals` to its executions per execution of the whole."""
+
+    blocks: int
+    entry: int
+    edges: tuple[tuple[int, int], ...]
+    costs: tuple[int, ...]
+    nest: LoopNest
+    bounds: Mapping[int, int]
+    totals: Mapping[int, int] = field(default_factory=dict)
+    infeasible: frozenset[int] = frozenset()
+
+    def __str__(self) -> str:
+        lines = [f"{self.blocks} blocks, entry b{self.entry}"]
+        for index, ((source, target), cost) in enumerate(zip(self.edges, self.costs, strict=True)):
+            mark = " infeasible" if index in self.infeasible else ""
+            lines.append(f"e{index}: b{source} -> {'exit' if target == EXIT else f'b{target}'} costs {cost}{mark}")
+        for index, loop in enumerate(self.nest.loops):
+            total = f", at most {self.totals[index]} in all" if index in self.totals else ""
+            lines.append(f"loop b{loop.header}: at most {self.bounds.get(index)} per entry{total}")
+        return "\n".join(lines)
+
+
+@dataclass(frozen=True, slots=True)
+class PathSolution:
+    """A bound in cycles and a worst path as executions of every edge.
+
+    `attained` says that the counts are a solution whose cost is the bound: no greater one exists and none smaller would
+    be
+    a bound. Otherwise the counts belong to the most expensive path found, and the bound may lie above its cost.
+    """
+
+    cycles: int
+    counts: tuple[int, ...]
+    attained: bool
+    method: str
+
+
+def problem_of(
+    cfg: Cfg,
+    nest: LoopNest,
+    costs: tuple[int, ...],
+    bounds: Mapping[int, int],
+    totals: Mapping[int, int] | None = None,
+    infeasible: frozenset[int] = frozenset(),
+) -> PathProblem:
+    """The path problem of a function. A bound below 1 is taken as 1: a loop that is entered runs its header."""
+    return PathProblem(
+        blocks=len(cfg.blocks),
+        entry=cfg.entry,
+        edges=tuple((edge.source, edge.target) for edge in cfg.edges),
+        costs=costs,
+        nest=nest,
+        bounds={loop: max(1, bound) for loop, bound in bounds.items()},
+        totals=dict(totals or {}),
+        infeasible=infeasible,
+    )
+
+
+def verify(problem: PathProblem) -> tuple[str, ...]:
+    """What is wrong with a problem, in sentences; empty when its invariants hold."""
+    wrong = []
+    if len(problem.edges) != len(problem.costs):
+        wrong.append("not every edge has a cost")
+    wrong += [f"edge {i} costs {cost}" for i, cost in enumerate(problem.costs) if cost < 0]
+    for index, (source, target) in enumerate(problem.edges):
+        if not 0 <= source < problem.blocks or not (target == EXIT or 0 <= target < problem.blocks):
+            wrong.append(f"edge {index} goes from {source} to {target}")
+    for index, loop in enumerate(problem.nest.loops):
+        if problem.bounds.get(index, 1) < 1:
+            wrong.append(f"the loop at block {loop.header} has the bound {problem.bounds[index]}")
+        for number, (source, target) in enumerate(problem.edges):
+            if target in loop.blocks and source not in loop.blocks and target != loop.header:
+                wrong.append(f"edge {number} enters the loop at block {loop.header} in the middle")
+    if problem.nest.irreducible:
+        wrong.append("a region has more than one entry")
+    return tuple(wrong)
+
+
+def edge_limits(problem: PathProblem) -> tuple[int, ...]:
+    """The most often each edge can be passed: the product of the bounds of the loops around its source."""
+    loops = [loop_bounds(problem, block) for block in range(problem.blocks)]
+    return tuple(0 if i in problem.infeasible else prod(loops[source]) for i, (source, _) in enumerate(problem.edges))
+
+
+def loop_bounds(problem: PathProblem, block: int) -> tuple[int, ...]:
+    """The bounds of all loops that hold a block."""
+    return tuple(problem.bounds[i] for i, loop in enumerate(problem.nest.loops) if block in loop.blocks)
+
+
+def header_edges(problem: PathProblem, loop: int) -> tuple[tuple[int, ...], tuple[int, ...], int]:
+    """Back edges and entry edges of a loop (feasible ones), and 1 when the whole starts at its header, else 0.
+
+    The header is executed once per back edge, entry edge and start.
+    """
+    here = problem.nest.loops[loop]
+    back = tuple(edge for edge in here.back_edges if edge not in problem.infeasible)
+    entries = tuple(edge for edge in here.entry_edges if edge not in problem.infeasible)
+    return back, entries, int(here.header == problem.entry)
