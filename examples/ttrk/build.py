@@ -26,8 +26,9 @@ def command(compiler: str, output: Path) -> list[str]:
     """The compiler's command line; it is run in this folder, so that sources are named without a path."""
     files = (*LINK, f"-ffile-prefix-map={HERE}=.", *SOURCES, "-o", str(output))
     if compiler == "gcc":
-        target = ("-mcpu=arm926ej-s", "-marm", "-mfloat-abi=soft", "-fno-tree-loop-distribute-patterns", "-nostdlib")
-        return ["arm-none-eabi-gcc", *COMMON, *target, *files, "-lgcc"]
+        target = ("-mcpu=arm926ej-s", "-marm", "-mfloat-abi=soft", "-nostdlib")
+        loops = ("-fno-ivopts", "-fno-tree-loop-distribute-patterns")
+        return ["arm-none-eabi-gcc", *COMMON, *target, *loops, *files, "-lgcc"]
     target = ("-target", "arm-freestanding-eabi", "-mcpu=arm926ej_s", "-fno-sanitize=all", "-fno-stack-protector")
     package = importlib.util.find_spec("ziglang")
     if package is None or package.origin is None:

@@ -84,38 +84,39 @@ static bool decode_channels(const uint8_t *payload, uint32_t length, int16_t val
     return (mask >> 13 & 7) == 7;
 }
 
-/* One packet per activation: the first complete one. The stamp counts sample periods, since the unit sends no time. */
-void CHR6dm_read(ImuInbox *inbox, Attitude *attitude)
+/* Handle the first packet in the inbox; the number of bytes that are done with. */
+static uint32_t take_packet(ImuInbox *inbox, Attitude *attitude)
 {
     int16_t value[CHANNELS];
-    if (inbox->channel == 0)
-        return;
-    if (inbox->count > IMU_INBOX_CAPACITY)
-        inbox->count = IMU_INBOX_CAPACITY;
-    attitude->stamp += sample_period;
     const uint8_t *packet = find_packet(inbox);
     uint32_t start = (uint32_t)(packet - inbox->bytes);
     uint32_t available = inbox->count - start;
     if (available == 0 && start > 0 && packet[-1] == 's')
-        start--; /* half a mark: the rest may be on its way */
-    if (available < HEADER_BYTES) {
-        consume(inbox, start);
-        return;
-    }
+        return start - 1; /* half a mark: the rest may be on its way */
+    if (available < HEADER_BYTES)
+        return start;
     uint32_t length = packet[4];
-    if (length <= PAYLOAD_MAX && available < HEADER_BYTES + length + TRAILER_BYTES) {
-        consume(inbox, start);
-        return;
-    }
+    if (length <= PAYLOAD_MAX && available < HEADER_BYTES + length + TRAILER_BYTES)
+        return start;
     if (!packet_is_valid(packet, length)) {
         inbox->rejected++;
-        consume(inbox, start + 2);
-        return;
+        return start + 2;
     }
     if (packet[3] == SENSOR_DATA && length >= 2 && decode_channels(packet + HEADER_BYTES, length, value)) {
         attitude->yaw = value[0] * angle_unit;
         attitude->pitch = value[1] * angle_unit;
         attitude->roll = value[2] * angle_unit;
     }
-    consume(inbox, start + HEADER_BYTES + length + TRAILER_BYTES);
+    return start + HEADER_BYTES + length + TRAILER_BYTES;
+}
+
+/* One packet per activation: the first complete one. The stamp counts sample periods, since the unit sends no time. */
+void CHR6dm_read(ImuInbox *inbox, Attitude *attitude)
+{
+    if (inbox->channel == 0)
+        return;
+    if (inbox->count > IMU_INBOX_CAPACITY)
+        inbox->count = IMU_INBOX_CAPACITY;
+    attitude->stamp += sample_period;
+    consume(inbox, take_packet(inbox, attitude));
 }

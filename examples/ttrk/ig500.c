@@ -94,6 +94,28 @@ static void decode_fix(const uint8_t *payload, Position *position)
     position->stamp = (Time)big_endian_32(payload) * 1000000;
 }
 
+/* Handle the first frame in the inbox; the number of bytes that are done with. */
+static uint32_t take_frame(GpsInbox *inbox, Position *position)
+{
+    const uint8_t *frame = find_sync(inbox);
+    uint32_t start = (uint32_t)(frame - inbox->bytes);
+    uint32_t available = inbox->count - start;
+    if (available == 0 && start > 0 && frame[-1] == SYNC)
+        return start - 1; /* half a sync pair: the rest may be on its way */
+    if (available < HEADER_BYTES)
+        return start;
+    uint32_t length = big_endian_16(frame + 3);
+    if (length <= PAYLOAD_MAX && available < HEADER_BYTES + length + TRAILER_BYTES)
+        return start;
+    if (!frame_is_valid(frame, length)) {
+        inbox->rejected++;
+        return start + 2;
+    }
+    if (frame[2] == POSITION_FIX && length >= FIX_BYTES)
+        decode_fix(frame + HEADER_BYTES, position);
+    return start + HEADER_BYTES + length + TRAILER_BYTES;
+}
+
 /* One frame per activation: the first complete one in the inbox. `position` keeps its value when there is none. */
 void IG500_read(GpsInbox *inbox, Position *position)
 {
@@ -101,26 +123,5 @@ void IG500_read(GpsInbox *inbox, Position *position)
         return;
     if (inbox->count > GPS_INBOX_CAPACITY)
         inbox->count = GPS_INBOX_CAPACITY;
-    const uint8_t *frame = find_sync(inbox);
-    uint32_t start = (uint32_t)(frame - inbox->bytes);
-    uint32_t available = inbox->count - start;
-    if (available == 0 && start > 0 && frame[-1] == SYNC)
-        start--; /* half a sync pair: the rest may be on its way */
-    if (available < HEADER_BYTES) {
-        consume(inbox, start);
-        return;
-    }
-    uint32_t length = big_endian_16(frame + 3);
-    if (length <= PAYLOAD_MAX && available < HEADER_BYTES + length + TRAILER_BYTES) {
-        consume(inbox, start);
-        return;
-    }
-    if (!frame_is_valid(frame, length)) {
-        inbox->rejected++;
-        consume(inbox, start + 2);
-        return;
-    }
-    if (frame[2] == POSITION_FIX && length >= FIX_BYTES)
-        decode_fix(frame + HEADER_BYTES, position);
-    consume(inbox, start + HEADER_BYTES + length + TRAILER_BYTES);
+    consume(inbox, take_frame(inbox, position));
 }

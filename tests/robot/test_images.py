@@ -175,3 +175,11 @@ def test_worst_inputs_stay_affordable(image: Path) -> None:
         for codel in ("rotate", "reach")
     ]
     assert gps < 10_000 and imu < 3_000 and fuse < 120_000 and max(control) < 30_000
+
+
+@pytest.mark.parametrize("place", ["ig500.c:60", "chr6dm.c:46"])
+def test_the_places_of_the_flow_facts_are_the_scans(place: str) -> None:
+    """The README and the deployment name these lines: they must stay on the two loops that data ends."""
+    file, _, line = place.partition(":")
+    assert "while (scan[0] !=" in (TTRK / file).read_text().splitlines()[int(line) - 1]
+    assert place in (TTRK / "README.md").read_text()
