@@ -33,19 +33,20 @@ def time_to_cycles(time: int, hertz: int) -> int:
     return -(-time * hertz // S)
 
 
-def format_time(time: int, digits: int = 3) -> str:
-    """A time in the unit a person would choose, rounded up in its last digit: `19.5ms`, `347.215us`, `0`.
+def format_time(time: int, digits: int = 3, down: bool = False) -> str:
+    """A time in the unit a person would choose: `19.5ms`, `347.215us`, `0ms`.
 
-    `digits` is the number of decimals kept at most; trailing zeros are dropped.
+    `digits` is the number of decimals kept at most; trailing zeros are dropped. The last one is rounded up, as costs and
+    responses must be, or `down`, as slacks and permissions must be.
     """
     if time < 0:
-        return "-" + format_time(-time, digits)
+        return "-" + format_time(-time, digits, not down)
     if time == 0:
         return "0ms"
     for unit, size in (("s", S), ("ms", MS), ("us", US), ("ns", NS), ("ps", PS)):
         if time >= size:
             scale = 10**digits
-            scaled = -(-time * scale // size)
+            scaled = time * scale // size if down else -(-time * scale // size)
             whole, part = divmod(scaled, scale)
             decimals = f"{part:0{digits}d}".rstrip("0") if digits else ""
             return f"{whole}.{decimals}{unit}" if decimals else f"{whole}{unit}"

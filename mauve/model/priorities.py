@@ -9,8 +9,8 @@ def rate_monotonic(tasks: Sequence[tuple[int, int | None]]) -> Iterator[int]:
     """A priority for each (period, written priority or None), in the order given; larger is more urgent.
 
     Written priorities stay. The others are put in rate-monotonic order, ties by order of declaration, each just
-    above the written task of longer period that it must precede. Where no number is left between two neighbours the lower one's
-    is shared: equal priorities interfere both ways, so the bound stays sound.
+    above the written task of longer period that it must precede. Where no number is left between two neighbours the
+    lower one's is shared: equal priorities interfere both ways, so the bound stays sound.
     """
     missing = sorted((i for i, (_, priority) in enumerate(tasks) if priority is None), key=lambda i: (tasks[i][0], i))
     given = sorted((i for i, (_, priority) in enumerate(tasks) if priority is not None), key=lambda i: -_of(tasks[i]))
