@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from mauve.wcet.flow.locations import WORD, Interval
 from mauve.wcet.flow.rank.measures import Contradiction, arc, contains, hull, mirrored_arc, shift
 from mauve.wcet.flow.rank.paths import value_at
-from mauve.wcet.flow.rank.problem import Problem
+from mauve.wcet.flow.rank.problem import Problem, is_header_term
 from mauve.wcet.flow.rank.terms import (
     ZERO,
     Kind,
@@ -58,7 +58,7 @@ def _moving_terms(problem: Problem) -> Iterator[Term]:
     for relation in sorted(problem.passes[0].known, key=str):
         for side in (relation.a, relation.b, subtract(relation.a, relation.b)):
             bare = Term(0, side.parts, side.size)
-            if side.parts and bare not in seen and not problem.is_invariant(bare):
+            if side.parts and bare not in seen and is_header_term(bare) and not problem.is_invariant(bare):
                 seen.add(bare)
                 yield bare
 

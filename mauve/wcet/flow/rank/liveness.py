@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from mauve.wcet.binary.graph import EXIT, Cfg
 from mauve.wcet.binary.microop import (
+    CompareBranch,
     Compute,
     Condition,
     FlagKind,
@@ -102,6 +103,8 @@ def _instruction_effect(instruction: Instruction) -> tuple[set[int], set[int]]:
                 read(value, amount)
                 flags()
     match instruction.flow:
+        case CompareBranch(register):
+            read(register)
         case IndirectJump(target) | IndirectCall(target):
             read(target)
         case TableJump(table, index):

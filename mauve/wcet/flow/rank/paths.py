@@ -15,6 +15,7 @@ from itertools import count
 from mauve.wcet.binary.graph import EXIT, Cfg, Edge, EdgeKind
 from mauve.wcet.binary.loops import Loop, LoopNest
 from mauve.wcet.binary.microop import (
+    CompareBranch,
     Compute,
     Condition,
     Imm,
@@ -240,17 +241,16 @@ def after_edge(program: Program, last: Instruction, index: int, edge: Edge, stat
     """The state behind `edge`, which leaves its block with the branch or call `last`; None when it cannot be taken."""
     falls = edge.kind is EdgeKind.FALL
     after = state.copy()
-    compares_zero = last.text.startswith(("cbz", "cbnz"))
-    if compares_zero:
-        zero = last.text.startswith("cbz") != falls
-        value = after.registers.get(last.traits.reads[0])
-        if value is not None and not _learn(after, (Relation(Kind.EQ if zero else Kind.NE, value, ZERO),)):
+    if isinstance(last.flow, CompareBranch):
+        kind = Kind.NE if last.flow.nonzero != falls else Kind.EQ
+        value = after.registers.get(last.flow.register)
+        if value is not None and not _learn(after, (Relation(kind, value, ZERO),)):
             return None
     elif last.condition is not Condition.AL:
         condition = last.condition.negated if falls else last.condition
         if not _learn(after, facts(state.flags, condition)):
             return None
-    if falls and not compares_zero:
+    if falls:
         return after
     _perform(program, last, after)
     if edge.kind in (EdgeKind.CALL, EdgeKind.TAIL_CALL):

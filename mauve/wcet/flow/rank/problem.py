@@ -9,20 +9,25 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from mauve.wcet.flow.locations import Interval, Location, whole
+from mauve.wcet.flow.locations import WORD, Interval, Location, whole
 from mauve.wcet.flow.rank.measures import Contradiction, Knowledge, learn
 from mauve.wcet.flow.rank.paths import Program, State, value_at
 from mauve.wcet.flow.rank.terms import (
-    Apply,
     Atom,
-    FrameBase,
+    Fresh,
+    Kind,
+    Relation,
     Term,
+    Truth,
     Var,
+    atom,
     atoms,
     bounds,
     meet,
+    scale,
     static_range,
     substitute,
+    subtract,
 )
 
 MOST = 1 << 20
@@ -54,10 +59,7 @@ class Problem:
 
     def is_invariant(self, term: Term) -> bool:
         """Whether no pass changes the term."""
-        return all(
-            all(isinstance(of, Apply | Var | FrameBase) for of in atoms(term)) and self.after(term, i) == term
-            for i in range(len(self.passes))
-        )
+        return is_header_term(term) and all(self.after(term, i) == term for i in range(len(self.passes)))
 
     def on_entry(self, term: Term) -> Interval:
         """The term's values when the loop is entered."""
@@ -78,6 +80,11 @@ class Problem:
         return self.program.values.on_entry(of.location) if isinstance(of, Var) else static_range(of)
 
 
+def is_header_term(term: Term) -> bool:
+    """Whether the term is made of values at the header alone: an unknown of one pass is another one in the next."""
+    return not any(isinstance(of, Fresh | Truth) for of in atoms(term))
+
+
 def invariants(program: Program, of: Atom) -> Interval:
     """What holds of an atom at the header of the loop in any iteration."""
     if isinstance(of, Var):
@@ -90,6 +97,7 @@ def pose(program: Program, passes: list[State], entry: State | None) -> Problem:
     kept: list[State] = []
     known: list[Knowledge] = []
     for state in passes:
+        _eliminate(state)
         try:
             known.append(learn(Knowledge(lambda of: invariants(program, of)), state.known))
             kept.append(state)
@@ -102,6 +110,32 @@ def pose(program: Program, passes: list[State], entry: State | None) -> Problem:
         except Contradiction:
             entry_known = Knowledge(static_range)
     return Problem(program, kept, known, entry, entry_known)
+
+
+def _eliminate(state: State) -> None:
+    """Replace unknowns of the pass by what they are known to be equal to."""
+    for relation in sorted(state.known, key=str):
+        if relation.kind is not Kind.EQ:
+            continue
+        difference = subtract(relation.a, relation.b)
+        for of, factor in sorted(difference.parts, key=lambda part: str(part[0])):
+            if not isinstance(of, Fresh) or factor not in (1, WORD - 1):
+                continue
+            # factor * of + rest == 0, so of == -rest / factor
+            rest = subtract(difference, atom(of, factor))
+            value = scale(rest, -1 if factor == 1 else 1)
+            if of not in atoms(value):
+                _replace(state, of, value)
+                break
+
+
+def _replace(state: State, old: Fresh, value: Term) -> None:
+    def change(term: Term) -> Term:
+        return substitute(term, lambda of: value if of == old else None) or term
+
+    state.registers = {r: change(t) for r, t in state.registers.items()}
+    state.cells = {c: change(t) for c, t in state.cells.items()}
+    state.known = frozenset({Relation(r.kind, change(r.a), change(r.b)) for r in state.known}) | state.known
 
 
 def locations(problem: Problem) -> Iterator[Location]:
