@@ -108,6 +108,12 @@ def test_where_it_does_not_apply_it_says_so() -> None:
     assert result.wcrt == analyse(tasks).result("b").wcrt
 
 
+def test_a_response_beyond_the_period_is_left_to_the_trace() -> None:
+    tasks = [Task("high", 2, 12, 12, (frames("high", (5,)),)), Task("m", 1, 8, 20, (frames("m", (6, 3)),))]
+    result = analyse(tasks, Method.EXACT).result("m")
+    assert (result.wcrt, result.caveats) == (14, (Caveat.FELL_BACK,))
+
+
 def test_a_limit_leaves_a_sound_bound_and_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
     case = load_cases("machines.json")[0]
     monkeypatch.setattr(exact, "COMPARISONS", 1)

@@ -82,6 +82,14 @@ def test_a_full_load_with_blocking_repeats_and_is_answered_without_an_end() -> N
     assert (found.wcrt, found.busy_period) == (15, None)
 
 
+def test_a_full_load_is_not_taken_to_repeat_before_the_machine_does() -> None:
+    """The first jobs grow by the long-run mean already, and yet the dearest pair of transitions comes later."""
+    late = psm_of(("boot", 9, "a"), ("a", 1, "b"), ("b", 1, "b"), ("b", 0, "c"), ("c", 9, "d"), ("d", 1, "d"))
+    tasks = [task("high", 2, 2, 1), task("low", 1, 2, machine(late), deadline=99)]
+    found = analyse(tasks).result("low")
+    assert (found.wcrt, found.worst_job) == (32, 4)
+
+
 def test_a_full_load_of_a_machine_that_is_not_proven_to_repeat_is_unknown_with_its_reason() -> None:
     two_rates = machine(psm_of(("w", 2, "w"), ("w", 1, "x"), ("x", 1, "x")))
     tasks = [task("high", 2, 4, two_rates), task("low", 1, 8, 4, deadline=99, blocking=3)]
@@ -175,8 +183,8 @@ def test_a_task_that_cannot_be_is_refused(rest: dict[str, int]) -> None:
 # ------------------------------------------------------------------ the formula read literally
 
 
-def literal(tasks: list[Task], one: Task) -> int | None:
-    """The formula of the module, busy period first, with no shortcut; None beyond 4000."""
+def literal(tasks: list[Task], one: Task) -> tuple[int, int] | None:
+    """Response and busy period by the formula of the module, with no shortcut; None beyond 4000."""
     others = [t for t in tasks if t is not one and t.priority >= one.priority]
 
     def count(window: int, t: Task) -> int:
@@ -198,7 +206,7 @@ def literal(tasks: list[Task], one: Task) -> int | None:
         if w is None:
             return None
         worst = max(worst, one.jitter + w - (q - 1) * one.period)
-    return worst
+    return worst, busy
 
 
 @settings(max_examples=300, deadline=None)
@@ -211,9 +219,43 @@ def test_the_shortcuts_change_nothing(tasks: list[Task], blocking: int) -> None:
         result = found.result(one.name)
         level = total_load([one, *interference_on(one, tasks).tasks])
         if reference is not None:
-            assert level > 1 or result.wcrt == reference
+            assert level > 1 or (result.wcrt, result.busy_period) == reference
         elif level < Fraction(9, 10):
             assert result.wcrt is not None
+
+
+@st.composite
+def full_loads(draw: st.DrawFn) -> list[Task]:
+    """A load of exactly 1: some random tasks and a last one that takes what they leave."""
+    above = draw(systems(overhead=False, size=2))
+    left = 1 - total_load(above)
+    if left <= 0:
+        above, left = [], Fraction(1)
+    scale = draw(st.integers(1, 2))
+    period, cost = left.denominator * scale, left.numerator * scale
+    work = frames("low", (cost + 1, cost - 1)) if draw(st.booleans()) else constant("low", cost)
+    return [*above, Task("low", 0, period, period, (work,), blocking=draw(st.integers(0, 5)))]
+
+
+@settings(max_examples=150, deadline=None)
+@given(full_loads())
+def test_a_full_load_is_answered_as_a_long_look_would(tasks: list[Task]) -> None:
+    found = analyse(tasks, steps=3000).result("low")
+    *above, low = tasks
+    if found.wcrt is None:
+        assert found.reason is Reason.FULL_LOAD
+        return
+    def due(q: int, window: int) -> int:
+        return low.blocking + low.demand(q) + sum(t.demand(-((window + t.jitter) // -t.period)) for t in above)
+
+    at, worst = 1, 0
+    for q in range(1, 400):
+        while (then := due(q, at)) > at:
+            at = then
+        worst = max(worst, low.jitter + at - (q - 1) * low.period)
+        if found.busy_period is not None and at + low.jitter <= q * low.period:
+            break
+    assert found.wcrt == worst
 
 
 def _fields(one: Task) -> dict[str, Any]:
