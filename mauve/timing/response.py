@@ -44,6 +44,7 @@ class Reason(Enum):
     OVERLOAD = "the task and those at least as urgent need more than the whole processor"
     FULL_LOAD = "the load is exactly 1 and the busy period neither ends nor is proven to repeat"
     LIMIT = "the busy period has more jobs than the analysis looks at"
+    ARRIVALS = "nothing bounds how often it, or a task at least as urgent, is woken"
 
 
 class Caveat(Enum):
