@@ -27,7 +27,7 @@ from mauve.wcet.binary.microop import (
     SupervisorCall,
     TableJump,
 )
-from mauve.wcet.binary.resolve import Code, Resolution, link_before, resolve
+from mauve.wcet.binary.resolve import Code, Resolution, link_before, link_of_jump, resolve
 
 INSTRUCTION_LIMIT = 400_000
 """How many instructions of one function are looked at before giving up."""
@@ -168,7 +168,7 @@ class _Exploration:
         for half in halves:
             self.owner[half] = instruction.address
         self.states[instruction.address] = state
-        self.code.instructions[instruction.address] = instruction
+        self.code.add(instruction)
         return True
 
     def _undecodable(self, problem: DecodeProblem, thumb: bool) -> None:
@@ -216,7 +216,7 @@ class _Exploration:
 
     def _note(self, out: _Out, source: int) -> None:
         if out.target is not None:
-            self.code.connect(source, out.target, out.kind is EdgeKind.CALL)
+            self.code.connect(source, out.target, out.kind)
             self.leaders.add(out.target)
             self.work.append((out.target, out.thumb))
 
@@ -252,10 +252,11 @@ class _Exploration:
             case CompareBranch(target=target):
                 return (self._reach(target, True, EdgeKind.TAKEN), *past)
             case Jump(target, thumb):
-                link = link_before(self.code, instruction)
+                taken = self._reach(target, thumb, EdgeKind.TAKEN)
+                link = link_of_jump(self.code, instruction, taken.target is None)
                 if link is not None:
                     return (self._call(instruction, (target | thumb,), link), *past)
-                return (self._reach(target, thumb, EdgeKind.TAKEN), *past)
+                return (taken, *past)
             case Call(target, thumb):
                 if instruction.address in self.control.no_call:
                     return (self._reach(instruction.end, instruction.thumb, EdgeKind.FALL),)

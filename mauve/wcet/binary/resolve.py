@@ -1,33 +1,403 @@
-"""Where indirect jumps go: stub."""
+"""Where indirect jumps go: a backward slice over the paths that lead to the jump, with value ranges.
+
+The target is followed symbolically along each path that ends at the jump. It is known when it is a constant, the return
+address, or a function of one value with a small range (by its making or by comparisons on the path) through constant
+memory: a switch table. Paths grow backwards, a block at a time, until each answers; all must. This finds gcc's and clang's
+tables in A32, T16 and T32, veneers, calls through literals, and computed jumps into unrolled code, without knowing any.
+"""
+
 from __future__ import annotations
+
+from collections.abc import Iterable
 from dataclasses import dataclass
-from mauve.wcet.binary.elf import Binary
-from mauve.wcet.binary.microop import Instruction, IndirectJump
+
+from mauve.wcet.binary.elf import Binary, Content
+from mauve.wcet.binary.graph import EdgeKind
+from mauve.wcet.binary.microop import (
+    LR,
+    SP,
+    CompareBranch,
+    Compute,
+    Condition,
+    FlagKind,
+    Imm,
+    IndirectCall,
+    IndirectJump,
+    Instruction,
+    Load,
+    MicroOp,
+    Next,
+    Op,
+    Operand,
+    SetCarry,
+    SetFlags,
+    Store,
+    StoreUnknown,
+    TableJump,
+)
+from mauve.wcet.binary.terms import MASK, Flags, Terms, concrete
+
+TABLE_LIMIT = 4096
+"""The most targets that one jump may have."""
+_PATHS, _LENGTH = 96, 300
+
 
 @dataclass(frozen=True, slots=True)
 class Resolution:
-    """r"""
+    """Where an indirect jump goes: `targets` are keys; `returns`: out of the function; with a `link` it is a call that comes
+    back to that address (for a call instruction `link` is None: it comes back behind itself)."""
+
     targets: tuple[int, ...] = ()
     returns: bool = False
     link: int | None = None
 
-class Code:
-    """c"""
-    def __init__(self, binary: Binary, key: int) -> None:
-        self.binary, self.key = binary, key
-        self.instructions: dict[int, Instruction] = {}
-        self.sources: dict[int, set[tuple[int, bool]]] = {}
 
-    def connect(self, source: int, target: int, call: bool) -> None:
-        """c"""
-        self.sources.setdefault(target, set()).add((source, call))
+_Step = tuple[int, EdgeKind | None]
+"""An instruction's address, and the kind of edge by which the path leaves it (None: to the next instruction)."""
+
+
+class Code:
+    """The part of a function that is known so far: instructions by address and the edges between them."""
+
+    def __init__(self, binary: Binary, key: int) -> None:
+        self.binary, self.entry = binary, key & ~1
+        self.instructions: dict[int, Instruction] = {}
+        self._sources: dict[int, dict[_Step, None]] = {}
+        self._ending: dict[int, int] = {}
+
+    def add(self, instruction: Instruction) -> None:
+        """Enter an instruction."""
+        self.instructions[instruction.address] = instruction
+        self._ending[instruction.end] = instruction.address
+
+    def connect(self, source: int, target: int, kind: EdgeKind) -> None:
+        """Enter an edge from the instruction at `source` to the one at `target`."""
+        self._sources.setdefault(target, {})[source, kind] = None
+
+    def before(self, address: int) -> list[_Step]:
+        """The steps that lead to `address`."""
+        steps = list(self._sources.get(address, ()))
+        linear = self._ending.get(address)
+        if linear is not None and isinstance(self.instructions[linear].flow, Next):
+            steps.append((linear, None))
+        return steps
+
+
+# ---------------------------------------------------------------------------------------------------- paths
+class _Path:
+    """The state after running the steps of one path symbolically."""
+
+    def __init__(self, code: Code, steps: list[_Step]) -> None:
+        self.code, self.terms = code, Terms()
+        self.registers: dict[int, int] = {}
+        self.stored: list[tuple[int, int, int]] = []
+        self.version = 0
+        self.flags: Flags | None = None
+        self.flags_version = 0
+        self.holding: set[tuple[int, Condition]] = set()
+        for address, kind in reversed(steps[1:]):
+            self._pass(code.instructions[address], kind)
+
+    def operand(self, operand: Operand) -> int:
+        """The term of an operand."""
+        if isinstance(operand, Imm):
+            return self.terms.constant(operand.value)
+        found = self.registers.get(operand)
+        if found is None:
+            found = self.registers[operand] = self.terms.initial(operand)
+        return found
+
+    def assume(self, condition: Condition) -> None:
+        """From here on the condition is known to hold."""
+        if condition is Condition.AL:
+            return
+        self.holding.add((self.flags_version, condition))
+        if self.flags is not None:
+            self.terms.facts.append((condition, self.flags))
+
+    def settle(self, term: int) -> int:
+        """The term with its conditional parts decided by what is known to hold."""
+        settled: dict[int, int] = {}
+        for number in self.terms.below(term):
+            parts = self.terms.table[number]
+            if parts[0] == "either":
+                version, condition = parts[3]
+                if (version, condition) in self.holding:
+                    settled[number] = settled[parts[1]]
+                    continue
+                if (version, condition.negated) in self.holding:
+                    settled[number] = settled[parts[2]]
+                    continue
+                settled[number] = self.terms.either(parts[3], settled[parts[1]], settled[parts[2]])
+            elif isinstance(parts[0], Op):
+                settled[number] = self.terms.apply(parts[0], settled[parts[1]], settled[parts[2]])
+            elif parts[0] == "load":
+                settled[number] = self.terms.load(settled[parts[1]], *parts[2:])
+            else:
+                settled[number] = number
+        return settled[term]
+
+    def _pass(self, instruction: Instruction, kind: EdgeKind | None) -> None:
+        """Run one instruction and leave it by an edge of this kind."""
+        flow, condition = instruction.flow, instruction.condition
+        if kind is EdgeKind.CALL:
+            self._forget()
+            return
+        if isinstance(flow, CompareBranch):
+            term = self.operand(flow.register)
+            zero = flow.nonzero is not (kind is EdgeKind.TAKEN)
+            flags = (FlagKind.LOGIC, term, term)
+            self.terms.facts.append((Condition.EQ if zero else Condition.NE, flags))
+            return
+        if not isinstance(flow, Next):
+            taken = kind is not EdgeKind.FALL
+            if condition is not Condition.AL:
+                self.assume(condition if taken else condition.negated)
+            if not taken:
+                return
+            condition = Condition.AL
+        self.perform(instruction, condition)
+
+    def perform(self, instruction: Instruction, condition: Condition) -> None:
+        """The micro-operations, under a condition that is not known to hold unless it is AL."""
+        guard = (self.flags_version, condition)
+        if guard in self.holding:
+            condition = Condition.AL
+        popped = SP in instruction.traits.reads and SP in instruction.traits.writes
+        for op in instruction.ops:
+            self._operation(op, condition, guard, popped)
+
+    def _operation(self, op: MicroOp, condition: Condition, guard: tuple[int, Condition], popped: bool) -> None:
+        always = condition is Condition.AL
+        match op:
+            case Compute(name, dst, a, b):
+                self._write(dst, self.terms.apply(name, self.operand(a), self.operand(b)), always, guard)
+            case Load(dst, address, size, is_signed):
+                self._write(dst, self._load(self.operand(address), size, is_signed, popped), always, guard)
+            case Store(address, value, size):
+                self._store(self.operand(address), self.operand(value), size, always)
+            case StoreUnknown(address, size):
+                self._store(self.operand(address), self.terms.unknown(), size, False)
+            case SetFlags(kind, a, b):
+                self.flags = (kind, self.operand(a), self.operand(b)) if always else None
+                self.flags_version += 1
+            case SetCarry():
+                if self.flags is not None and self.flags[0] is not FlagKind.LOGIC:
+                    self.flags = None
+                self.flags_version += 1
+
+    def _write(self, dst: int, term: int, always: bool, guard: tuple[int, Condition]) -> None:
+        self.registers[dst] = term if always or dst > LR else self.terms.either(guard, term, self.operand(dst))
+
+    def _load(self, address: int, size: int, is_signed: bool, popped: bool) -> int:
+        for change in range(len(self.stored) - 1, -1, -1):
+            where, width, value = self.stored[change]
+            if where == address and width == size == 4:
+                return value
+            if not self._apart(where, width, address, size):
+                return self.terms.load(address, size, is_signed, self.version + change + 1, popped)
+        return self.terms.load(address, size, is_signed, self.version, popped)
+
+    def _store(self, address: int, value: int, size: int, always: bool) -> None:
+        self.stored.append((address, size, value if always else self.terms.unknown()))
+
+    def _apart(self, first: int, width: int, second: int, size: int) -> bool:
+        """Whether two accesses surely touch different bytes: same base, offsets apart; or constants apart."""
+        base, offset = self._split(first)
+        other, distance = self._split(second)
+        if base != other:
+            return self._own(base) != self._own(other) and None not in (self._own(base), self._own(other))
+        gap = (distance - offset) & MASK
+        return width <= gap <= MASK + 1 - size
+
+    def _own(self, base: int | None) -> str | None:
+        """The stack and constant addresses never meet (the stack is not reached through globals)."""
+        if base is None:
+            return "constant"
+        return "stack" if self.terms.table[base] == ("initial", SP) else None
+
+    def _split(self, term: int) -> tuple[int | None, int]:
+        parts = self.terms.table[term]
+        if parts[0] == "constant":
+            return None, parts[1]
+        if parts[0] is Op.ADD and (k := self.terms.value(parts[2])) is not None:
+            return parts[1], k
+        return term, 0
+
+    def _forget(self) -> None:
+        """After a call nothing is known: helpers need not follow the procedure call standard."""
+        self.registers = {register: self.terms.unknown() for register in range(LR + 1)}
+        self.version += len(self.stored) + 1
+        self.stored = []
+        self.flags = None
+        self.flags_version += 1
+
 
 def link_before(code: Code, instruction: Instruction) -> int | None:
-    """l"""
-    return None
+    """The constant that lr holds at the instruction, as far as the block before it tells: where a callee would return to."""
+    steps = _extend_straight(code, [(instruction.address, None)])
+    path = _Path(code, steps)
+    path.assume(instruction.condition)
+    return path.terms.value(path.settle(path.operand(LR)))
+
+
+def link_of_jump(code: Code, instruction: Instruction, leaves: bool) -> int | None:
+    """Where the target of a direct jump comes back to, when the jump is a call: lr holds the address behind it, or the jump
+    leaves the function with the address of code in lr. Else lr is a register as any other."""
+    link = link_before(code, instruction)
+    if link is None or link & ~1 == instruction.end:
+        return link
+    return link if leaves and _keys({link}, True, instruction.thumb, code.binary) is not None else None
+
+
+def _extend_straight(code: Code, steps: list[_Step]) -> list[_Step]:
+    """Back to the start of the block."""
+    while len(steps) < _LENGTH:
+        address = steps[-1][0]
+        before = code.before(address)
+        if address == code.entry or len(before) != 1 or before[0][1] is not None:
+            break
+        steps = [*steps, before[0]]
+    return steps
+
 
 def resolve(code: Code, instruction: Instruction) -> Resolution | None:
-    """r"""
-    if isinstance(instruction.flow, IndirectJump) and instruction.flow.returns:
-        return Resolution(returns=True)
+    """The targets of an indirect jump, call or table jump; None when they are not known."""
+    found: Resolution | None = None
+    work: list[list[_Step]] = [_extend_straight(code, [(instruction.address, None)])]
+    spent = 0
+    while work:
+        steps = work.pop()
+        spent += 1
+        answer = _answer(code, steps, instruction)
+        if answer is None:
+            start = steps[-1][0]
+            before = code.before(start)
+            if start == code.entry or not before or spent + len(before) > _PATHS or len(steps) >= _LENGTH:
+                return None
+            work += [_extend_straight(code, [*steps, step]) for step in before]
+            continue
+        found = answer if found is None else _union(found, answer)
+        if found is None or len(found.targets) > TABLE_LIMIT:
+            return None
+    return found
+
+
+def _union(first: Resolution, second: Resolution) -> Resolution | None:
+    if (first.returns, first.link) != (second.returns, second.link):
+        return None
+    return Resolution(tuple(sorted({*first.targets, *second.targets})), first.returns, first.link)
+
+
+# ---------------------------------------------------------------------------------------------------- the answer of a path
+def _answer(code: Code, steps: list[_Step], instruction: Instruction) -> Resolution | None:
+    path = _Path(code, steps)
+    path.assume(instruction.condition)
+    flow = instruction.flow
+    path.perform(instruction, Condition.AL)
+    calls = isinstance(flow, IndirectCall)
+    link = None
+    if not calls and not isinstance(flow, TableJump):
+        link = path.terms.value(path.settle(path.operand(LR)))
+    term = path.settle(_target_term(path, flow))
+    parts = path.terms.table[term]
+    if isinstance(flow, IndirectJump) and (link is None or parts[0] != "constant"):
+        if flow.returns and parts[0] != "constant":
+            return Resolution(returns=True)
+        if parts[0] == "load" and parts[5]:
+            return Resolution(returns=True)
+        if parts == ("initial", LR) and steps[-1][0] == code.entry:
+            return Resolution(returns=True)
+    exchanges = flow.exchanges if isinstance(flow, IndirectJump | IndirectCall) else False
+    values = _values(path, term, code.binary)
+    if values is None:
+        if link == instruction.end | instruction.thumb or link == instruction.end:
+            return Resolution(link=link)
+        return None
+    keys = _keys(values, exchanges, instruction.thumb, code.binary)
+    if keys is None:
+        return None
+    functions = all(code.binary.symbol_at(key) is not None and key & ~1 != code.entry for key in keys)
+    if link is not None and not (functions or link & ~1 == instruction.end):
+        link = None  # lr holds some constant, as any register may
+    if link is not None and isinstance(flow, IndirectJump) and flow.target == LR:
+        link = None
+    return Resolution(tuple(sorted(keys)), link=link)
+
+
+def _target_term(path: _Path, flow: object) -> int:
+    if isinstance(flow, TableJump):
+        scale = path.terms.constant(flow.entry_size - 1)
+        index = path.terms.apply(Op.SHL, path.operand(flow.index), scale)
+        address = path.terms.apply(Op.ADD, path.operand(flow.table), index)
+        entry = path.terms.load(address, flow.entry_size, False, path.version, False)
+        doubled = path.terms.apply(Op.SHL, entry, path.terms.constant(1))
+        return path.terms.apply(Op.ADD, doubled, path.terms.constant(flow.pc_value))
+    assert isinstance(flow, IndirectJump | IndirectCall)
+    return path.operand(flow.target)
+
+
+def _values(path: _Path, term: int, binary: Binary) -> set[int] | None:
+    """All values of the term: by running through the range of one of the terms it is made of."""
+    terms = path.terms
+    below = terms.below(term)
+    constant = _run(terms, below, {}, binary)
+    if constant is not None:
+        return {constant}
+    candidates: list[tuple[int, int, tuple[tuple[int, int], ...]]] = []
+    for number in below:
+        if terms.value(number) is None and number != term:
+            ranges = terms.ranges(number)
+            count = sum(high - low + 1 for low, high in ranges)
+            if count <= TABLE_LIMIT:
+                candidates.append((count, -number, ranges))
+    for _, negative, ranges in sorted(candidates):
+        values: set[int] = set()
+        for value in (v for low, high in ranges for v in range(low, high + 1)):
+            result = _run(terms, below, {-negative: value}, binary)
+            if result is None:
+                break
+            values.add(result)
+        else:
+            return values
     return None
+
+
+def _run(terms: Terms, below: Iterable[int], given: dict[int, int], binary: Binary) -> int | None:
+    """The value of the last term when some are given, loads read from constant memory; None when it takes more."""
+    known: dict[int, int | None] = {}
+    last: int | None = None
+    for number in below:
+        parts = terms.table[number]
+        value: int | None = None
+        if number in given:
+            value = given[number]
+        elif parts[0] == "constant":
+            value = parts[1]
+        elif isinstance(parts[0], Op):
+            a, b = known[parts[1]], known[parts[2]]
+            value = None if a is None or b is None else concrete(parts[0], a, b)
+        elif parts[0] == "load" and (address := known[parts[1]]) is not None:
+            raw = binary.read_constant(address, parts[2])
+            value = None if raw is None else int.from_bytes(raw, "little", signed=parts[3]) & MASK
+        known[number] = last = value
+    return last
+
+
+def _keys(values: set[int], exchanges: bool, thumb: bool, binary: Binary) -> set[int] | None:
+    """Jump targets as keys; None when one of them is no code."""
+    keys: set[int] = set()
+    for value in values:
+        state = bool(value & 1) if exchanges else thumb
+        address = value & ~1 if state else value
+        if not state and address & 3:
+            return None
+        content = binary.content_at(address)
+        if binary.read_code(address, 2) is None or content is Content.DATA:
+            return None
+        if content is not None and content is not (Content.THUMB if state else Content.ARM):
+            return None
+        keys.add(address | state)
+    return keys
+
+
