@@ -268,10 +268,12 @@ def widen(old: Range, new: Range, thresholds: Sequence[int]) -> Range:
     if joined.is_top:
         return TOP
     step = joined.step or 1
+    if not thresholds:
+        return progression(joined.low, step, MODULUS // step)
     low, high = joined.low, joined.high
-    if low != old.low and thresholds:
+    if low != old.low:
         low = thresholds[bisect_right(thresholds, low) - 1]
-    if high != old.high and thresholds:
+    if high != old.high:
         high = thresholds[bisect_left(thresholds, high) % len(thresholds)]
     below = -(-((joined.low - low) & MASK) // step)
     above = -(-((high - joined.high) & MASK) // step)

@@ -1,0 +1,472 @@
+"""Abstract execution of a function: every loop either iteration by iteration, or once with a header that holds all iterations.
+
+Stepped loops give exact counts (triangular nests included) at the price of their length; summarised loops (`Header`) cost a few
+passes whatever their length and get their bounds in closed form. Which loop is treated how is decided by the caller and by a budget
+of steps: a stepped loop that exceeds its share is summarised instead.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Protocol
+
+from mauve.wcet.binary.graph import EXIT, Edge, EdgeKind
+from mauve.wcet.binary.microop import (
+    SP,
+    CompareBranch,
+    Condition,
+    FlagKind,
+    Imm,
+    IndirectCall,
+    IndirectJump,
+    Instruction,
+    Next,
+    TableJump,
+)
+from mauve.wcet.flow import closed_form, domain, flags, joining, linear
+from mauve.wcet.flow.closed_form import Stay
+from mauve.wcet.flow.domain import Range
+from mauve.wcet.flow.joining import Header
+from mauve.wcet.flow.linear import FRAME, Value
+from mauve.wcet.flow.order import FUNCTION, Order
+from mauve.wcet.flow.state import State
+from mauve.wcet.flow.transfer import Image, run
+
+States = list[State]
+Leaving = dict[int, States]
+"""States by the index of the edge on which they leave a region."""
+
+MOST_SPLITS = 8
+"""In a block, conditional instructions split a state at most into this many."""
+
+
+class Calls(Protocol):
+    """What happens between a call and its return."""
+
+    def apply(self, state: State, index: int, edge: Edge, record: bool) -> State | None:
+        """The state after the call on edge `index`, or None when no callee returns. May change `state`."""
+
+
+@dataclass(slots=True)
+class Record:
+    """What a sound pass over the whole function saw. `visits` and `totals` count executions of loop headers (per entry, per
+    execution of the function); `targets` collects the values of indirect branches by instruction address."""
+
+    visits: dict[int, int | None] = field(default_factory=dict)
+    methods: dict[int, str] = field(default_factory=dict)
+    totals: dict[int, int | None] = field(default_factory=dict)
+    taken: set[int] = field(default_factory=set)
+    accesses: dict[tuple[int, int], tuple[int | None, int, int]] = field(default_factory=dict)
+    writes: set[tuple[int, int]] = field(default_factory=set)
+    targets: dict[int, Range] = field(default_factory=dict)
+    headers: dict[int, Header] = field(default_factory=dict)
+    depth: int | None = 0
+    returned: States = field(default_factory=list)
+
+
+@dataclass(frozen=True, slots=True)
+class Policy:
+    """`stepped`: loops to execute iteration by iteration; `width`: states kept apart where paths meet; `steps`: instructions to
+    execute before giving up stepping; `passes`: to find a header that holds all iterations."""
+
+    stepped: frozenset[int]
+    width: int = 1
+    steps: int = 40_000
+    passes: int = 12
+
+
+class _Exhausted(Exception):
+    """A stepped loop has used up its share of the budget."""
+
+    def __init__(self, region: int) -> None:
+        self.region = region
+
+
+class Execution:
+    """One abstract execution of one function."""
+
+    def __init__(
+        self,
+        order: Order,
+        image: Image,
+        calls: Calls,
+        policy: Policy,
+        thresholds: Sequence[int],
+        known: dict[int, int] | None = None,
+    ) -> None:
+        self.order, self.image, self.calls, self.policy, self.thresholds = order, image, calls, policy, thresholds
+        self.known = known or {}
+        self.stepped = set(policy.stepped)
+        self.steps = 0
+        self.record: Record | None = None
+        self.summaries = 0
+        self.stays: dict[int, list[Stay]] | None = None
+        self.limits: list[tuple[int, int]] = []
+
+    def execute(self, entry: State) -> Record:
+        """Execute from the function's entry; the record is complete."""
+        record = self.record = Record()
+        leaving, back = self._region(FUNCTION, [entry])
+        for index, states in leaving.items():
+            if self.order.cfg.edges[index].target == EXIT:
+                record.returned += states
+        assert not back
+        record.returned = joining.restrict(record.returned, 1)
+        return record
+
+    # ------------------------------------------------------------------------------------------------ regions
+    def _region(self, region_id: int, states: States) -> tuple[Leaving, States]:
+        """Pass once through a region from its header: what leaves it, and what comes back to the header."""
+        order, region = self.order, self.order.regions[region_id]
+        width = self.policy.width
+        waiting: dict[int, States] = {region.header: states}
+        leaving: Leaving = {}
+        back: States = []
+        edges = order.cfg.edges
+        for node in region.nodes:
+            here = waiting.pop(node, None)
+            if not here:
+                continue
+            here = joining.restrict(here, width)
+            loop = order.inner.get(node)
+            if loop is not None and loop != region_id:
+                left = self._loop(loop, here)
+            else:
+                left = self._block(node, here)
+            for index, after in left.items():
+                target = edges[index].target
+                if target == region.header and region_id != FUNCTION:
+                    back += after
+                elif target == EXIT or target not in region.blocks:
+                    leaving[index] = after
+                else:
+                    waiting.setdefault(target, []).extend(after)
+        return leaving, joining.restrict(back, width) if back else back
+
+    def _loop(self, loop: int, states: States) -> Leaving:
+        if loop in self.stepped:
+            try:
+                return self._step(loop, [state.copy() for state in states])
+            except _Exhausted as exhausted:
+                if exhausted.region != loop:
+                    raise
+                self.stepped.discard(loop)
+                if self.record is not None:
+                    self.record.totals[loop] = None
+        return self._summarise(loop, joining.join_all(states))
+
+    # ------------------------------------------------------------------------------------------------ stepping
+    def _step(self, loop: int, states: States) -> Leaving:
+        """Execute a loop iteration by iteration."""
+        left_steps = (self.limits[-1][1] if self.limits else self.policy.steps) - self.steps
+        self.limits.append((loop, self.steps + left_steps // 2))
+        saved = self._checkpoint()
+        leaving: Leaving = {}
+        count, checkpoint = 0, None
+        try:
+            while states:
+                count += 1
+                if count & (count - 1) == 0 and count >= 8:
+                    checkpoint = [state.copy() for state in states]
+                elif checkpoint is not None and _stands_still(checkpoint, states):
+                    raise _Exhausted(loop)
+                for state in states:
+                    state.prune()
+                left, states = self._region(loop, states)
+                for index, after in left.items():
+                    leaving[index] = joining.restrict(leaving.get(index, []) + after, self.policy.width)
+        except _Exhausted:
+            self._restore(saved)
+            raise
+        finally:
+            self.limits.pop()
+        self._note_visits(loop, count, "abstract execution")
+        return leaving
+
+    def _checkpoint(self) -> tuple[dict[int, int | None], dict[int, int | None]] | None:
+        return None if self.record is None else (dict(self.record.visits), dict(self.record.totals))
+
+    def _restore(self, saved: tuple[dict[int, int | None], dict[int, int | None]] | None) -> None:
+        """Take back counts of an attempt that was given up (what else it recorded is a harmless superset)."""
+        if self.record is not None and saved is not None:
+            self.record.visits, self.record.totals = dict(saved[0]), dict(saved[1])
+
+    def _note_visits(self, loop: int, count: int | None, method: str) -> None:
+        record = self.record
+        if record is None:
+            return
+        before = record.visits.get(loop, 0)
+        record.visits[loop] = None if count is None or before is None else max(count, before)
+        if before is not None and (count is None or count >= before):
+            record.methods[loop] = method
+        total = record.totals.get(loop, 0)
+        record.totals[loop] = None if count is None or total is None or self.summaries else total + count
+
+    # ------------------------------------------------------------------------------------------------ summarising
+    def _summarise(self, loop: int, entry: State) -> Leaving:
+        """Find a header that holds all iterations, bound it, and pass through the loop once from there."""
+        record, stays = self.record, self.stays
+        self.record = None
+        self.summaries += 1
+        try:
+            header, bound = self._header(loop, entry)
+        finally:
+            self.record, self.stays = record, stays
+        leaving: Leaving = {}
+        try:
+            self._note_visits(loop, bound, "affine")
+            if record is not None and header is not None:
+                record.headers[loop] = header
+            start = entry.copy() if header is None else header.state.copy()
+            leaving, _ = self._region(loop, [start])
+        finally:
+            self.summaries -= 1
+        return leaving
+
+    def _try(self, loop: int, state: State) -> tuple[State | None, list[Stay]]:
+        """One pass from a header state: the state at the back edges, and the conditions for going on."""
+        outer = self.stays
+        self.stays = {loop: []}
+        _, back = self._region(loop, [state.copy()])
+        found, self.stays = self.stays[loop], outer
+        return (joining.join_all(back) if back else None), found
+
+    def _header(self, loop: int, entry: State) -> tuple[Header | None, int | None]:
+        """A header that holds all visits and a bound of their number; (None, 1) where the loop never comes back."""
+        back, _ = self._try(loop, entry)
+        if back is None:
+            return None, 1
+        header = joining.generalise(entry, back, self.thresholds)
+        most: int | None = 2
+        last = self.policy.passes - 1
+        for attempt in range(self.policy.passes):
+            header.limit(most)
+            back, stays = self._try(loop, header.state)
+            if back is None:
+                return header, most
+            fits = joining.fit(header, back, self.thresholds if attempt < last - 4 else ())
+            bound = self._least(loop, closed_form.visits(header, stays))
+            reached = back.range_of((1, header.kappa, 1))
+            if fits and (most is None or reached.low + reached.span < most or (bound is not None and bound <= most)):
+                most = bound if bound is not None and (most is None or bound < most) else most
+                break
+            if fits or attempt == 0:
+                most = bound
+            if attempt > last - 4:
+                most = None
+        else:
+            return self._surrender(loop, entry), self.known.get(loop)
+        header.limit(most)
+        back, _ = self._try(loop, header.state)
+        if back is not None:
+            joining.narrow(header, back)
+        return header, most
+
+    def _least(self, loop: int, bound: int | None) -> int | None:
+        """The better of a bound found here and one proven elsewhere."""
+        known = self.known.get(loop)
+        return bound if known is None or (bound is not None and bound < known) else known
+
+    def _surrender(self, loop: int, entry: State) -> Header:
+        """A header of which nothing is known, except that sp stands where it stood if one pass confirms it."""
+        state = State(entry.symbols)
+        state.regs = [state.fresh() for _ in range(16)] + [0] * 16
+        state.leaked = True
+        stack = state.regs[SP] = entry.regs[SP]
+        state.ranges = {s: known for s, known in entry.ranges.items() if s in linear.symbols(stack)}
+        back, _ = self._try(loop, state)
+        if back is not None and back.regs[SP] != stack:
+            state.regs[SP] = state.fresh()
+        return Header(entry, state, entry.symbols.fresh())
+
+    # ------------------------------------------------------------------------------------------------ blocks
+    def _block(self, block: int, states: States) -> Leaving:
+        """Execute a block: the states by the edge on which they leave it."""
+        instructions = self.order.cfg.blocks[block].instructions
+        self.steps += len(instructions) * len(states)
+        if self.limits and self.steps > self.limits[-1][1]:
+            raise _Exhausted(next(r for r, limit in self.limits if self.steps > limit))
+        states = [state.copy() for state in states]
+        for instruction in instructions[:-1]:
+            states = self._instruction(instruction, states)
+        self._note_stay(block, instructions[-1], states)
+        leaving: Leaving = {}
+        for state in states:
+            self._leave(block, instructions[-1], state, leaving)
+        if self.record is not None:
+            self.record.taken.update(leaving)
+        return {index: joining.restrict(after, self.policy.width) for index, after in leaving.items()}
+
+    def _instruction(self, instruction: Instruction, states: States) -> States:
+        condition = instruction.condition
+        if condition is Condition.AL:
+            for state in states:
+                self._act(instruction, state)
+            return states
+        after: States = []
+        for state in states:
+            if not flags.may_hold(state.flags, condition):
+                after.append(state)
+                continue
+            if not flags.must_hold(state.flags, condition):
+                skipped = state.copy()
+                if skipped.assume(condition.negated):
+                    after.append(skipped)
+                if not state.assume(condition):
+                    continue
+            self._act(instruction, state)
+            after.append(state)
+        return joining.restrict(after, MOST_SPLITS)
+
+    def _act(self, instruction: Instruction, state: State) -> None:
+        if self.record is None:
+            run(state, instruction.ops, self.image)
+            return
+        before = state.regs[SP]
+        run(state, instruction.ops, self.image, lambda s, i, a, n: self._note_access(instruction, s, i, a, n))
+        if state.regs[SP] is not before:
+            self._note_depth(state)
+
+    def _note_access(self, instruction: Instruction, state: State, index: int, address: Value, size: int) -> None:
+        assert self.record is not None
+        region, low, high = state.place(address)
+        if region is not None and not linear.is_entry_symbol(region):
+            region = None
+        key = (instruction.address, index)
+        place = (region, low, high + size - 1)
+        before = self.record.accesses.get(key)
+        if before is not None and before != place:
+            same = before[0] == region and region is not None
+            place = (region, min(before[1], low), max(before[2], place[2])) if same else (None, 0, domain.MASK)
+        self.record.accesses[key] = place
+
+    def _note_depth(self, state: State) -> None:
+        assert self.record is not None
+        region, low, high = state.place(state.regs[SP])
+        if region != FRAME or low != high:
+            self.record.depth = None
+        elif self.record.depth is not None:
+            self.record.depth = max(self.record.depth, -low)
+
+    def _leave(self, block: int, last: Instruction, state: State, leaving: Leaving) -> None:
+        """Execute the last instruction of a block and pass the states on."""
+        order = self.order
+        taken, fall = order.taken[block], order.fall[block]
+        flow = last.flow
+        if isinstance(flow, CompareBranch):
+            self._compare_and_branch(block, flow, state, leaving)
+            return
+        if isinstance(flow, Next):
+            for after in self._instruction(last, [state]):
+                self._pass_on(last, after, taken + fall, leaving)
+            return
+        if last.condition is not Condition.AL:
+            skipped = state.copy()
+            if skipped.assume(last.condition.negated):
+                self._pass_on(last, skipped, fall, leaving)
+            if not state.assume(last.condition):
+                return
+            fall = ()
+        self._act(last, state)
+        self._pass_on(last, state, taken or fall, leaving)
+
+    def _compare_and_branch(self, block: int, flow: CompareBranch, state: State, leaving: Leaving) -> None:
+        condition = Condition.NE if flow.nonzero else Condition.EQ
+        before, origin = state.flags, state.origin
+        _compare_with_zero(state, flow)
+        for edges, holds in ((self.order.taken[block], condition), (self.order.fall[block], condition.negated)):
+            after = state.copy()
+            if edges and after.assume(holds):
+                after.flags, after.origin = before, origin
+                self._deliver(after, edges, leaving)
+
+    def _note_stay(self, block: int, last: Instruction, states: States) -> None:
+        """Note under which condition the loop goes on after its exit at the end of this block, for all states that come here."""
+        region = self.order.innermost[block]
+        if self.stays is None or region not in self.stays or block not in self.order.always[region] or not states:
+            return
+        state, condition = joining.join_all(states).copy(), last.condition
+        if isinstance(last.flow, CompareBranch):
+            condition = Condition.NE if last.flow.nonzero else Condition.EQ
+            _compare_with_zero(state, last.flow)
+        edges, blocks = self.order.cfg.edges, self.order.regions[region].blocks
+        stays_taken = any(edges[index].target in blocks for index in self.order.taken[block])
+        stays_fall = any(edges[index].target in blocks for index in self.order.fall[block])
+        if stays_taken != stays_fall and state.origin is not None and condition is not Condition.AL:
+            goes_on = condition if stays_taken else condition.negated
+            self.stays[region].append(Stay(goes_on, *state.origin, state))
+
+    def _pass_on(self, last: Instruction, state: State, edges: tuple[int, ...], leaving: Leaving) -> None:
+        all_edges = self.order.cfg.edges
+        if len(edges) > 1 or isinstance(last.flow, IndirectJump | IndirectCall):
+            targets = self._targets(last, state)
+            if targets is not None:
+                if self.record is not None:
+                    before = self.record.targets.get(last.address)
+                    self.record.targets[last.address] = targets if before is None else domain.join(before, targets)
+                if isinstance(last.flow, IndirectJump | TableJump) and targets.size <= 1024:
+                    places = {value & ~1 for value in targets.members()}
+                    edges = tuple(i for i in edges if self._edge_among(all_edges[i], places))
+        self._deliver(state, edges, leaving)
+
+    def _edge_among(self, edge: Edge, places: set[int]) -> bool:
+        return edge.kind is not EdgeKind.SWITCH or self.order.cfg.blocks[edge.target].address in places
+
+    def _targets(self, last: Instruction, state: State) -> Range | None:
+        match last.flow:
+            case IndirectJump(target) | IndirectCall(target):
+                return state.range_of(target.value if isinstance(target, Imm) else state.regs[target])
+            case TableJump(table, index, size, pc):
+                base = state.constant_of(table.value if isinstance(table, Imm) else state.regs[table])
+                at = state.range_of(index.value if isinstance(index, Imm) else state.regs[index])
+                if base is None or at.size > 1024:
+                    return None
+                found = [self.image.constant((base + size * i) & domain.MASK, size) for i in at.members()]
+                known = [pc + 2 * entry for entry in found if entry is not None]
+                return domain.of(known) if known and len(known) == len(found) else None
+            case _:
+                return None
+
+    def _deliver(self, state: State, edges: tuple[int, ...], leaving: Leaving) -> None:
+        for position, index in enumerate(edges):
+            edge = self.order.cfg.edges[index]
+            after = state if position == len(edges) - 1 else state.copy()
+            if edge.callees or edge.kind in (EdgeKind.CALL, EdgeKind.TAIL_CALL):
+                called = self.calls.apply(after, index, edge, self.record is not None)
+                if called is None:
+                    continue
+                after = called
+            leaving.setdefault(index, []).append(after)
+
+
+def _compare_with_zero(state: State, flow: CompareBranch) -> None:
+    value = state.regs[flow.register]
+    state.flags = flags.of_logic(state.range_of(value), state.flags)
+    state.origin = (FlagKind.LOGIC, value, 0)
+
+
+def _stands_still(before: States, now: States) -> bool:
+    """Whether nothing that is known has changed between two visits of a header (a heuristic: stepping on would not end)."""
+    return len(before) == len(now) and all(_same(a, b) for a, b in zip(before, now, strict=True))
+
+
+def _same(a: State, b: State) -> bool:
+    if any(_moved(a, b, x, y) for x, y in zip(a.regs[:15], b.regs[:15], strict=True)):
+        return False
+    for region in a.memory.keys() & b.memory.keys():
+        mine, other = a.memory[region], b.memory[region]
+        if mine is other:
+            continue
+        for offset, cell in mine.items():
+            their = other.get(offset)
+            if their is None or _moved(a, b, cell[1], their[1]):
+                return False
+    return True
+
+
+def _moved(a: State, b: State, x: Value, y: Value) -> bool:
+    """Whether a value has changed by more than being another unknown of the same range."""
+    if x == y:
+        return False
+    return type(linear.sub(y, x)) is int or a.range_of(x) != b.range_of(y)
