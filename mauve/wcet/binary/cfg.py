@@ -27,11 +27,12 @@ from mauve.wcet.binary.microop import (
     SupervisorCall,
     TableJump,
 )
-from mauve.wcet.binary.resolve import Code, Resolution, link_before, link_of_jump, resolve
+from mauve.wcet.binary.resolve import Code, Resolution, computes_return, link_before, link_of_jump, resolve
 
 INSTRUCTION_LIMIT = 400_000
 """How many instructions of one function are looked at before giving up."""
 _ROUNDS = 64
+_HELPER_LENGTH = 16
 
 
 @dataclass(frozen=True, slots=True)
@@ -206,8 +207,36 @@ class _Exploration:
             if not (instruction.condition is Condition.AL):
                 self._note(self._reach(instruction.end, instruction.thumb, EdgeKind.FALL), instruction.address)
             return True
+        if isinstance(flow, Call) and self._is_table_helper(instruction, flow):
+            self.indirect[instruction.address] = None
+            return True
         self._set_outs(instruction, self._direct_outs(instruction, flow))
         return True
+
+    def _is_table_helper(self, instruction: Instruction, flow: Call) -> bool:
+        """Whether the callee is straight code that comes back behind a table that follows the call, as the switch helpers of
+        Thumb-1 do."""
+        helper = self._straight(flow.target, flow.thumb)
+        if helper and computes_return(self.binary, helper):
+            self.code.helpers[instruction.address] = helper
+            return True
+        return False
+
+    def _straight(self, address: int, thumb: bool) -> tuple[Instruction, ...]:
+        """The short straight run at `address` that ends in an indirect jump; empty when there is none."""
+        found: list[Instruction] = []
+        while len(found) < _HELPER_LENGTH:
+            decoded = self.decoder.decode(address, thumb)
+            if isinstance(decoded, DecodeProblem) or decoded.instruction.condition is not Condition.AL:
+                return ()
+            found.append(decoded.instruction)
+            flow = decoded.instruction.flow
+            if isinstance(flow, IndirectJump):
+                return tuple(found)
+            if not isinstance(flow, Next):
+                return ()
+            address = decoded.instruction.end
+        return ()
 
     def _set_outs(self, instruction: Instruction, outs: tuple[_Out, ...]) -> None:
         self.outs[instruction.address] = outs
@@ -268,6 +297,8 @@ class _Exploration:
         calls = isinstance(instruction.flow, IndirectCall)
         if calls and instruction.address in self.control.no_call:
             return (self._reach(instruction.end, instruction.thumb, EdgeKind.FALL),)
+        if isinstance(instruction.flow, Call):
+            return self._helper_outs(instruction, instruction.flow, found)
         if found is None:
             if calls:
                 return (_Out(instruction.end, EdgeKind.CALL, (), instruction.thumb), *past)
@@ -281,6 +312,14 @@ class _Exploration:
             return (self._call(instruction, found.targets, back), *past)
         ways = dict.fromkeys(self._reach(key & ~1, bool(key & 1), EdgeKind.SWITCH) for key in found.targets)
         return (*ways, *past)
+
+    def _helper_outs(self, instruction: Instruction, flow: Call, found: Resolution | None) -> tuple[_Out, ...]:
+        """Through the helper to each place that it may come back to."""
+        past = self._past(instruction)
+        if found is None:
+            return (_Out(None, EdgeKind.STOP), *past)
+        callee = (flow.target | flow.thumb,)
+        return (*(_Out(key & ~1, EdgeKind.CALL, callee, bool(key & 1)) for key in found.targets), *past)
 
     # ------------------------------------------------------------------------------------------------ the result
     def assemble(self) -> Cfg:
@@ -337,6 +376,9 @@ class _Exploration:
 
     def _open_message(self, instruction: Instruction) -> tuple[UnresolvedKind, str]:
         where = self.binary.name_at(instruction.address)
+        if isinstance(instruction.flow, Call):
+            message = f"the switch through `{instruction.text}` in {where} has targets that are not known"
+            return UnresolvedKind.BRANCH, message
         if isinstance(instruction.flow, IndirectCall) or link_before(self.code, instruction) is not None:
             message = f"the call `{instruction.text}` in {where} goes through a pointer: its targets are not known"
             return UnresolvedKind.CALL, message

@@ -16,6 +16,7 @@ from mauve.wcet.binary.graph import EdgeKind
 from mauve.wcet.binary.microop import (
     LR,
     SP,
+    Call,
     CompareBranch,
     Compute,
     Condition,
@@ -62,6 +63,8 @@ class Code:
     def __init__(self, binary: Binary, key: int) -> None:
         self.binary, self.entry = binary, key & ~1
         self.instructions: dict[int, Instruction] = {}
+        self.helpers: dict[int, tuple[Instruction, ...]] = {}
+        """calls of helpers that return behind a table, by address of the call: the helper's code"""
         self._sources: dict[int, dict[_Step, None]] = {}
         self._ending: dict[int, int] = {}
 
@@ -295,6 +298,8 @@ def _answer(code: Code, steps: list[_Step], instruction: Instruction) -> Resolut
     path.assume(instruction.condition)
     flow = instruction.flow
     path.perform(instruction, Condition.AL)
+    if isinstance(flow, Call):
+        return _answer_of_helper(code, path, steps[-1][0], code.helpers[instruction.address])
     calls = isinstance(flow, IndirectCall)
     link = None
     if not calls and not isinstance(flow, TableJump):
@@ -309,7 +314,7 @@ def _answer(code: Code, steps: list[_Step], instruction: Instruction) -> Resolut
         if parts == ("initial", LR) and steps[-1][0] == code.entry:
             return Resolution(returns=True)
     exchanges = flow.exchanges if isinstance(flow, IndirectJump | IndirectCall) else False
-    values = _values(path, term, code.binary)
+    values = _values(code, path, term, steps[-1][0])
     if values is None:
         if link == instruction.end | instruction.thumb or link == instruction.end:
             return Resolution(link=link)
@@ -325,6 +330,26 @@ def _answer(code: Code, steps: list[_Step], instruction: Instruction) -> Resolut
     return Resolution(tuple(sorted(keys)), link=link)
 
 
+def computes_return(binary: Binary, helper: tuple[Instruction, ...]) -> bool:
+    """Whether straight code that is called comes back somewhere else than behind the call, at a place computed from it."""
+    path = _Path(Code(binary, helper[0].address), [(helper[0].address, None)])
+    for instruction in helper:
+        path.perform(instruction, instruction.condition)
+    term = path.settle(_target_term(path, helper[-1].flow))
+    link = path.terms.initial(LR)
+    return term != link and link in path.terms.below(term)
+
+
+def _answer_of_helper(code: Code, path: _Path, start: int, helper: tuple[Instruction, ...]) -> Resolution | None:
+    for instruction in helper:
+        path.perform(instruction, instruction.condition)
+    flow = helper[-1].flow
+    assert isinstance(flow, IndirectJump)
+    values = _values(code, path, path.settle(_target_term(path, flow)), start)
+    keys = None if values is None else _keys(values, flow.exchanges, helper[-1].thumb, code.binary)
+    return None if keys is None else Resolution(tuple(sorted(keys)))
+
+
 def _target_term(path: _Path, flow: object) -> int:
     if isinstance(flow, TableJump):
         scale = path.terms.constant(flow.entry_size - 1)
@@ -337,16 +362,21 @@ def _target_term(path: _Path, flow: object) -> int:
     return path.operand(flow.target)
 
 
-def _values(path: _Path, term: int, binary: Binary) -> set[int] | None:
-    """All values of the term: by running through the range of one of the terms it is made of."""
-    terms = path.terms
+def _values(code: Code, path: _Path, term: int, start: int) -> set[int] | None:
+    """All values of the term on a path from `start`: by running through the range of one of the terms it is made of."""
+    terms, binary = path.terms, code.binary
     below = terms.below(term)
-    constant = _run(terms, below, {}, binary)
+    fixed: dict[int, int] = {}
+    for number in below:
+        parts = terms.table[number]
+        if parts[0] == "initial" and (found := constant_at(code, start, parts[1])) is not None:
+            fixed[number] = found
+    constant = _run(terms, below, fixed, binary)
     if constant is not None:
         return {constant}
     candidates: list[tuple[int, int, tuple[tuple[int, int], ...]]] = []
     for number in below:
-        if terms.value(number) is None and number != term:
+        if terms.value(number) is None and number != term and number not in fixed:
             ranges = terms.ranges(number)
             count = sum(high - low + 1 for low, high in ranges)
             if count <= TABLE_LIMIT:
@@ -354,12 +384,55 @@ def _values(path: _Path, term: int, binary: Binary) -> set[int] | None:
     for _, negative, ranges in sorted(candidates):
         values: set[int] = set()
         for value in (v for low, high in ranges for v in range(low, high + 1)):
-            result = _run(terms, below, {-negative: value}, binary)
+            result = _run(terms, below, {**fixed, -negative: value}, binary)
             if result is None:
                 break
             values.add(result)
         else:
             return values
+    return None
+
+
+def constant_at(code: Code, address: int, register: int) -> int | None:
+    """The constant that every definition of the register that reaches `address` gives it, if there is one.
+
+    Called functions with a symbol keep r4 to r11 (the procedure call standard, which every result assumes)."""
+    found: int | None = None
+    seen: set[int] = set()
+    work = [address]
+    while work:
+        place = work.pop()
+        before = code.before(place)
+        if place == code.entry or not before:
+            return None
+        for source, kind in before:
+            instruction = code.instructions[source]
+            if kind is EdgeKind.CALL and not (4 <= register <= 11 and _keeps_registers(code.binary, instruction)):
+                return None
+            defining = next((op for op in reversed(instruction.ops) if getattr(op, "dst", None) == register), None)
+            if defining is not None:
+                value = _defined_value(defining, code.binary)
+                if value is None or found not in (None, value):
+                    return None
+                found = value
+            if (defining is None or instruction.condition is not Condition.AL) and source not in seen:
+                seen.add(source)
+                work.append(source)
+    return found
+
+
+def _keeps_registers(binary: Binary, instruction: Instruction) -> bool:
+    flow = instruction.flow
+    return isinstance(flow, Call) and binary.symbol_at(flow.target) is not None
+
+
+def _defined_value(op: MicroOp, binary: Binary) -> int | None:
+    match op:
+        case Compute(Op.MOV, _, Imm(value)):
+            return value
+        case Load(_, Imm(address), 4):
+            raw = binary.read_constant(address, 4)
+            return None if raw is None else int.from_bytes(raw, "little")
     return None
 
 
