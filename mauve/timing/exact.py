@@ -15,11 +15,11 @@ from dataclasses import dataclass
 from heapq import heappop, heappush
 
 from mauve.timing.level import Interference
-from mauve.timing.psm import reachable_edges
+from mauve.timing.psm import Psm, reachable_edges
 from mauve.timing.task import Task
 from mauve.timing.traces import ConstantCurve, Curve, FramesCurve, PsmCurve
 
-COMPARISONS = 1_000_000
+COMPARISONS = 300_000
 """Comparisons of runs spent on one machine before its curve is used instead."""
 
 COMBINATIONS = 20_000
@@ -57,14 +57,15 @@ class _Machine:
     concrete: bool
 
 
-def refine(task: Task, others: Interference, bound: int) -> Refinement | None:
+def refine(task: Task, others: Interference, bound: int, known: dict[int, Runs]) -> Refinement | None:
     """The response of the first job of `task`, given the `bound` of the curves; None where this does not cover it.
 
-    Covered are: no jitter anywhere, and bound <= period. Blocking is added as it is.
+    Covered are: no jitter anywhere, and bound <= period. Blocking is added as it is. `known` keeps the runs of each
+    curve (by its id) from one task to the next.
     """
     if bound > task.period or task.jitter or any(other.jitter for other in others.tasks):
         return None
-    fixed, machines = _split(others, bound)
+    fixed, machines = _split(others, bound, known)
     base = task.blocking + task.demand(1)
     if not machines:
         return Refinement(bound, (), True)
@@ -107,7 +108,7 @@ def _charges(machines: Sequence[_Machine], nodes: Sequence[_Node]) -> tuple[tupl
     )
 
 
-def _split(others: Interference, window: int) -> tuple[Interference, list[_Machine]]:
+def _split(others: Interference, window: int, known: dict[int, Runs]) -> tuple[Interference, list[_Machine]]:
     """The interference of constant costs, and the machines with the runs that fit into the window."""
     fixed = Interference()
     fixed.plain = others.plain
@@ -118,7 +119,7 @@ def _split(others: Interference, window: int) -> tuple[Interference, list[_Machi
                 continue
             period = part.period or other.period
             jobs = max(1, -(-window // period))
-            runs = _request_functions(part.curve, jobs)
+            runs = _request_functions(part.curve, jobs, known)
             if runs is None:
                 root = _Node(tuple(part.curve.total(count) for count in range(jobs + 1)), ())
             else:
@@ -136,7 +137,7 @@ def _tree(runs: Sequence[Totals]) -> _Node:
     return _Node(tuple(map(max, halves[0].totals, halves[1].totals)), halves)
 
 
-def _request_functions(curve: Curve, jobs: int) -> list[Totals] | None:
+def _request_functions(curve: Curve, jobs: int, known: dict[int, Runs]) -> list[Totals] | None:
     """The totals after 0 .. jobs jobs of every run that no other dominates; None if they are too many or unknown."""
     match curve:
         case FramesCurve():
@@ -149,26 +150,39 @@ def _request_functions(curve: Curve, jobs: int) -> list[Totals] | None:
                 runs.append(tuple(totals))
             return undominated(runs)
         case PsmCurve():
-            return _machine_runs(curve, jobs)
+            if id(curve) not in known:
+                known[id(curve)] = Runs(curve.psm)
+            return known[id(curve)].of_length(jobs)
     return None
 
 
-def _machine_runs(curve: PsmCurve, jobs: int) -> list[Totals] | None:
-    _, edges = reachable_edges(curve.psm)
-    fronts: list[list[Totals]] = [[(0,)] for _ in edges]
-    work = COMPARISONS
-    for _ in range(jobs):
-        longer = []
-        for state, out in enumerate(edges):
-            steps = out or [(0, state)]
-            runs = [(0, *[cost + total for total in run]) for cost, target in steps for run in fronts[target]]
-            work -= len(runs) ** 2
-            if work < 0:
-                return None
-            longer.append(undominated(runs))
-        fronts = longer
-    every = [run for front in fronts for run in front]
-    return undominated(every) if len(every) ** 2 <= work else None
+class Runs:
+    """The runs of a machine that no other dominates, per state they start in; grows by the job."""
+
+    __slots__ = ("_edges", "_fronts", "_jobs", "_work")
+
+    def __init__(self, psm: Psm) -> None:
+        _, edges = reachable_edges(psm)
+        self._edges = [out or [(0, state)] for state, out in enumerate(edges)]
+        self._fronts: list[list[Totals]] = [[(0,)] for _ in edges]
+        self._jobs = 0
+        self._work = COMPARISONS
+
+    def of_length(self, jobs: int) -> list[Totals] | None:
+        """The totals of all undominated runs of so many jobs; None where that takes too many comparisons."""
+        while self._jobs < jobs:
+            longer = []
+            for out in self._edges:
+                runs = [(0, *[cost + n for n in run]) for cost, target in out for run in self._fronts[target]]
+                self._work -= len(runs) ** 2
+                if self._work < 0:
+                    return None
+                longer.append(undominated(runs))
+            self._fronts = longer
+            self._jobs += 1
+        # A longer run than asked for is cut: what dominates it dominates its beginning too.
+        every = {run[: jobs + 1] for front in self._fronts for run in front}
+        return undominated(tuple(every)) if len(every) ** 2 <= COMPARISONS else None
 
 
 def undominated(runs: Sequence[Totals]) -> list[Totals]:

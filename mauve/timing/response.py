@@ -20,7 +20,7 @@ from dataclasses import dataclass, replace
 from enum import Enum
 from itertools import chain, groupby
 
-from mauve.timing.exact import Refinement, refine
+from mauve.timing.exact import Refinement, Runs, refine
 from mauve.timing.level import Budget, Interference, finish, float_load, job_finishes, load_compared_to_one, repetition
 from mauve.timing.task import Kind, Task
 from mauve.timing.traces import ConstantCurve
@@ -141,6 +141,7 @@ def analyse(tasks: Sequence[Task], method: Method = Method.TRACE, steps: int = S
     found: dict[str, ResponseResult] = {}
     above = Interference()
     warm: tuple[int, int] = (0, 0)
+    runs: dict[int, Runs] = {}
     for _, group in groupby(sorted(seen, key=lambda task: -task.priority), key=lambda task: task.priority):
         peers = list(group)
         for task in peers:
@@ -154,7 +155,7 @@ def analyse(tasks: Sequence[Task], method: Method = Method.TRACE, steps: int = S
                         others.add(peer)
             # More interference and no less blocking than the task above: w(1) is its w(1) plus own work at least.
             bound = warm[0] if task.blocking >= warm[1] else 0
-            result, first = _respond(task, others, method, Budget(steps), bound)
+            result, first = _respond(task, others, method, Budget(steps), bound, runs)
             found[task.name] = result
         if len(peers) == 1 and peers[0].kind is Kind.TASK and first is not None:
             warm = (first, peers[0].blocking)
@@ -190,7 +191,7 @@ def interference_on(task: Task, tasks: Sequence[Task]) -> Interference:
 
 
 def _respond(
-    task: Task, others: Interference, method: Method, budget: Budget, warm: int
+    task: Task, others: Interference, method: Method, budget: Budget, warm: int, runs: dict[int, Runs]
 ) -> tuple[ResponseResult, int | None]:
     """The result of one task and its w(1), where known."""
     if method is Method.PAPER:
@@ -207,7 +208,7 @@ def _respond(
         return ResponseResult(task.name, None, task.deadline, method, reason), first
     lasting = [end - index * task.period for index, end in enumerate(finishes)]
     worst = lasting.index(max(lasting))
-    if method is Method.EXACT and (refined := refine(task, others, max(lasting))) is not None:
+    if method is Method.EXACT and (refined := refine(task, others, max(lasting), runs)) is not None:
         return _refined(task, refined, jobs.busy), first
     result = ResponseResult(
         task=task.name,
