@@ -34,7 +34,9 @@ class LoopResult:
 
 @dataclass(frozen=True, slots=True)
 class BlockResult:
-    """A block of the worst path: executions per execution of the analysed function and cycles of one execution."""
+    """A block of the worst path: executions per execution of the analysed function, cycles of its dearest execution there,
+    and cycles of all of them (`total`; a block left by different edges costs differently). Callees are not in it: the
+    totals of all blocks, and the wait states of the return, add up to the bound."""
 
     address: int
     size: int
@@ -42,6 +44,7 @@ class BlockResult:
     count: int
     cycles: int
     source: str = ""
+    total: int = 0
 
 
 class ProblemKind(Enum):
@@ -55,6 +58,8 @@ class ProblemKind(Enum):
     DECODE = "undecodable-instruction"
     OUTSIDE = "code-outside-memory"
     SUPERVISOR = "supervisor-call"
+    BINARY = "unreadable-binary"
+    NOT_ARM = "not-an-arm-binary"
     SYMBOL = "symbol-not-found"
     NOT_A_FUNCTION = "not-a-function"
     LIMIT = "analysis-limit"
@@ -74,6 +79,8 @@ class Problem:
     source: str = ""
     call_path: tuple[str, ...] = ()
     suggestions: tuple[str, ...] = ()
+    written: str = ""
+    """for a problem of a flow fact: where the fact stands, as `LoopFact.written` says"""
 
 
 @dataclass(frozen=True, slots=True)
