@@ -25,10 +25,12 @@ from mauve.wcet.flow.locations import (
     Region,
 )
 from mauve.wcet.flow.rank.affine import affine
+from mauve.wcet.flow.rank.inductive import inductive, inductive_of
 from mauve.wcet.flow.rank.iterate import iterate
-from mauve.wcet.flow.rank.paths import entry_states, prepare, summarise_loop
+from mauve.wcet.flow.rank.paths import Program, State, entry_states, prepare, summarise_loop
 from mauve.wcet.flow.rank.problem import MOST, Problem, pose
 from mauve.wcet.flow.rank.shapes import bits_cleared, remainders, wide_shift
+from mauve.wcet.flow.rank.terms import Atom, Var, meet, static_range
 
 __all__ = [
     "ANY",
@@ -77,14 +79,43 @@ def bound_by_ranking(
     """
     if any(region & loop.blocks for region in nest.irreducible) or any(b.id != i for i, b in enumerate(cfg.blocks)):
         return None
-    program = prepare(cfg, nest, values, effects)
-    passes = summarise_loop(program, loop)
-    problem = pose(program, passes, entry_states(program).get(loop.header))
+    program = prepare(cfg, nest, values, effects, inductive)
+    entries = entry_states(program).get(loop.header, [])
+    best: RankBound | None = None
+    for coarse in (False, True):
+        program.coarse, program.joined = coarse, False
+        program.summaries.clear()
+        passes = summarise_loop(program, loop)
+        found = _best_argument(program, passes, entries)
+        if found is not None and (best is None or found.bound < best.bound):
+            best = found
+        if not program.joined:
+            break
+    return best
+
+
+def _best_argument(program: Program, passes: list[State], entries: list[State]) -> RankBound | None:
+    values = program.values
+
+    def on_entry(of: Atom) -> Interval:
+        return meet(static_range(of), values.on_entry(of.location)) if isinstance(of, Var) else static_range(of)
+
+    def invariant(of: Atom) -> Interval:
+        return meet(static_range(of), values.invariant(of.location)) if isinstance(of, Var) else static_range(of)
+
+    problem = pose(program, passes, entries, invariant, on_entry)
     if not problem.passes:
         return RankBound(1, "no pass repeats")
+    found = inductive_of(problem)
+
+    def refined(of: Atom) -> Interval:
+        known = found.get(of.location) if isinstance(of, Var) else None
+        return invariant(of) if known is None else meet(invariant(of), known)
+
+    problem = pose(program, problem.passes, entries, refined, on_entry)
     best: RankBound | None = None
     for method, argument in _ARGUMENTS:
-        passes_made = argument(problem)
-        if passes_made is not None and passes_made <= MOST and (best is None or passes_made + 1 < best.bound):
-            best = RankBound(passes_made + 1, method)
+        made = argument(problem) if problem.passes else 0
+        if made is not None and made <= MOST and (best is None or made + 1 < best.bound):
+            best = RankBound(made + 1, method)
     return best

@@ -7,20 +7,17 @@ from dataclasses import dataclass
 
 from mauve.wcet.flow.locations import WORD, Interval
 from mauve.wcet.flow.rank.measures import Contradiction, arc, contains, hull, mirrored_arc, shift
-from mauve.wcet.flow.rank.paths import value_at
 from mauve.wcet.flow.rank.problem import Problem, is_header_term
 from mauve.wcet.flow.rank.terms import (
     ZERO,
     Kind,
     Ranges,
     Term,
-    Var,
     add,
     meet,
     number,
     simplify,
     static_range,
-    substitute,
     subtract,
 )
 
@@ -164,14 +161,10 @@ def _divides(problem: Problem, step: int, term: Term, values: Interval) -> bool:
         return values.low % WORD % step == 0
     if step & (step - 1):
         return False
-    here = term
-    if problem.entry is not None:
-        entry = problem.entry
-        here = (
-            substitute(term, lambda of: value_at(problem.program, entry, of.location) if isinstance(of, Var) else None)
-            or term
-        )
-    return _is_multiple(here, step, static_range) or _is_multiple(term, step, problem.entry_stride)
+    if _is_multiple(term, step, problem.entry_ranges):
+        return True
+    there = [problem.within(state, term) for state, _ in problem.entries]
+    return bool(there) and all(t is not None and _is_multiple(t, step, static_range) for t in there)
 
 
 def _is_multiple(term: Term, step: int, ranges: Ranges) -> bool:

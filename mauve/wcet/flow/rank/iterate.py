@@ -43,30 +43,46 @@ class _Distance:
 def iterate(problem: Problem) -> int | None:
     """How many passes can follow each other, by following intervals.
 
-    I(0) holds the measures at entry; I(n + 1) holds them after any pass that is possible from I(n), given the relations of
-    the pass. By induction I(n) contains the measures whenever n passes have been made; when no pass is possible from I(n),
-    at most n are ever made. Measures are the variables that the relations depend on, and the distances between variables
-    that are compared, so that the halving of an interval shows: with w = hi - lo, (lo + hi) / 2 is lo + w / 2.
+    I(0) holds the measures at entry; I(n + 1) holds them after any pass that is possible from I(n), given the relations
+    of the pass. By induction I(n) contains the measures whenever n passes have been made; when no pass is possible from
+    I(n), at most n are ever made. Measures are the variables that the relations depend on, and the distances between
+    variables that are compared, so that halving an interval shows: with w = hi - lo, (lo + hi) / 2 is lo + w / 2.
     """
-    distances = _distances(problem)
-    measures = [*_variables(problem), *(d.term for d in distances)]
-    if not 0 < len(measures) <= MOST_MEASURES:
+    engine = Engine(problem)
+    if not 0 < len(engine.measures) <= MOST_MEASURES:
         return None
-    after = [[problem.after(m, i) for m in measures] for i in range(len(problem.passes))]
-    current = [problem.on_entry(m) for m in measures]
+    current = engine.start()
     for steps in range(MOST_STEPS):
-        results = [
-            result
-            for index in range(len(problem.passes))
-            if (result := _step(problem, index, measures, current, after[index], distances)) is not None
-        ]
-        if not results:
+        following = engine.step(current)
+        if following is None:
             return steps
-        following = [hull([result[k] for result in results]) for k in range(len(measures))]
         if following == current:
             return None
         current = following
     return None
+
+
+class Engine:
+    """The measures of a problem, and what a pass does to their intervals."""
+
+    def __init__(self, problem: Problem) -> None:
+        self.problem = problem
+        self.distances = _distances(problem)
+        self.measures = [*_variables(problem), *(d.term for d in self.distances)]
+        self._after = [[problem.after(m, i) for m in self.measures] for i in range(len(problem.passes))]
+
+    def start(self) -> list[Interval]:
+        """The measures when the loop is entered."""
+        return [self.problem.on_entry(m) for m in self.measures]
+
+    def step(self, current: list[Interval]) -> list[Interval] | None:
+        """Intervals after any one pass; None when none is possible."""
+        results = []
+        for index, after in enumerate(self._after):
+            result = _step(self.problem, index, self.measures, current, after, self.distances)
+            if result is not None:
+                results.append(result)
+        return [hull([r[k] for r in results]) for k in range(len(self.measures))] if results else None
 
 
 def _variables(problem: Problem) -> list[Term]:
@@ -90,20 +106,19 @@ def _variables(problem: Problem) -> list[Term]:
 
 
 def _distances(problem: Problem) -> list[_Distance]:
-    """Differences of variables that some relation compares."""
+    """Differences of variables that change and stand together in a relation."""
     found: dict[tuple[Var, Var], None] = {}
     for state in problem.passes:
         for relation in sorted(state.known, key=str):
-            parts = dict(subtract(relation.a, relation.b).parts)
-            plus = [of for of, factor in parts.items() if factor == 1 and isinstance(of, Var)]
-            minus = [of for of, factor in parts.items() if factor == WORD - 1 and isinstance(of, Var)]
-            if len(parts) == 2 and len(plus) == len(minus) == 1:
-                pair = (plus[0], minus[0])
-                if pair[::-1] in found:
-                    pair = pair[::-1]
-                found[pair] = None
-                found[pair[::-1]] = None
-    return [_Distance(x, y, Fresh(-1 - k)) for k, (x, y) in enumerate(found)][:4]
+            together = atoms(relation.a) | atoms(relation.b)
+            changing = [of for of in together if isinstance(of, Var) and not problem.is_invariant(atom(of))]
+            changing.sort(key=str)
+            found.update({(x, y): None for x in changing for y in changing if x != y})
+            parts = subtract(relation.a, relation.b).parts
+            if len(parts) == 2 and all(isinstance(of, Var) and factor in (1, WORD - 1) for of, factor in parts):
+                x, y = sorted((of for of, _ in parts if isinstance(of, Var)), key=str)
+                found.update({(x, y): None, (y, x): None})
+    return [_Distance(x, y, Fresh(-1 - k)) for k, (x, y) in enumerate(found)] if len(found) <= 6 else []
 
 
 def _step(
@@ -116,10 +131,7 @@ def _step(
 ) -> list[Interval] | None:
     """The measures after pass `index` from `current`; None when the pass is impossible."""
 
-    def start(of: Atom) -> Interval:
-        return problem.invariants(of)
-
-    knowledge = Knowledge(start)
+    knowledge = Knowledge(problem.ranges)
     try:
         for measure, values in zip(measures, current, strict=True):
             knowledge.narrow(measure, values)

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from mauve.wcet.binary.microop import Op
 from mauve.wcet.flow.locations import HALF, WORD, Interval
 from mauve.wcet.flow.rank.terms import (
+    ZERO,
     Apply,
     Atom,
     Kind,
@@ -103,6 +104,8 @@ def learn(knowledge: Knowledge, relations: Iterable[Relation], rounds: int = 2) 
 
 def _learn(knowledge: Knowledge, relation: Relation) -> None:
     a, b = relation.a, relation.b
+    if relation.kind is Kind.EQ and b == ZERO:
+        _learn_masked(knowledge, a)
     left, right = knowledge.of_term(a), knowledge.of_term(b)
     if relation.kind is Kind.NE:
         _exclude(knowledge, a, right)
@@ -128,6 +131,17 @@ def _learn(knowledge: Knowledge, relation: Relation) -> None:
         raise Contradiction
     if high - low < WORD - 1:
         knowledge.narrow(difference, interval(low, high))
+
+
+def _learn_masked(knowledge: Knowledge, masked: Term) -> None:
+    """x & mask == 0 where the mask is the top bits: x is below the lowest of them."""
+    if len(masked.parts) != 1 or masked.constant:
+        return
+    ((of, factor),) = masked.parts
+    if factor == 1 and isinstance(of, Apply) and of.op is Op.AND and of.args[1].is_constant:
+        rest = WORD - 1 - of.args[1].constant
+        if rest & (rest + 1) == 0:
+            knowledge.narrow(of.args[0], Interval(0, rest))
 
 
 def _exclude(knowledge: Knowledge, term: Term, value: Interval) -> None:

@@ -8,7 +8,7 @@ something false.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from itertools import count
 
@@ -39,6 +39,7 @@ from mauve.wcet.flow.locations import (
     Cell,
     EntryValues,
     Helper,
+    Interval,
     Location,
     NoValues,
     Region,
@@ -110,15 +111,31 @@ class Program:
     live: tuple[frozenset[int], ...]
     leaving: Mapping[int, tuple[int, ...]]
     back_edges: frozenset[int]
+    inductive: Callable[[Program, Loop, list[State]], Mapping[Location, Interval]]
+    """intervals that hold at a loop's header in every iteration, given the states in which it is entered"""
     fresh: count[int] = field(default_factory=count)
+    summaries: dict[int, list[State]] = field(default_factory=dict)
+    coarse: bool = False
+    """a conditional instruction that sets no flags does not part the paths"""
+    joined: bool = False
+    """paths had to be joined since this was last cleared"""
 
     def unknown(self, low: int = 0, high: int = WORD - 1) -> Term:
         """A value about which nothing else is known."""
         return atom(Fresh(next(self.fresh), low, high))
 
 
+def nothing_inductive(program: Program, loop: Loop, states: list[State]) -> Mapping[Location, Interval]:
+    """No intervals."""
+    return {}
+
+
 def prepare(
-    cfg: Cfg, nest: LoopNest, values: EntryValues | None = None, effects: Mapping[int, CallEffects] | None = None
+    cfg: Cfg,
+    nest: LoopNest,
+    values: EntryValues | None = None,
+    effects: Mapping[int, CallEffects] | None = None,
+    inductive: Callable[[Program, Loop, list[State]], Mapping[Location, Interval]] = nothing_inductive,
 ) -> Program:
     """Collect what summaries of this function need."""
     leaving: dict[int, list[int]] = {}
@@ -134,6 +151,7 @@ def prepare(
         live_registers(cfg),
         {block: tuple(edges) for block, edges in leaving.items()},
         frozenset(index for loop in nest.loops for index in loop.back_edges),
+        inductive,
     )
 
 
@@ -149,15 +167,17 @@ def initial_state(program: Program, block: int) -> State:
 
 def summarise_loop(program: Program, loop: Loop) -> list[State]:
     """The states at the ends of the back edges of `loop`, in terms of the values at the start of its header."""
-    states: list[State] = []
-    for edge, state in _walk(program, loop.header, loop.blocks, initial_state(program, loop.header), {}):
-        if edge in loop.back_edges:
-            states.append(state)
-    return _merged(program, states, program.live[loop.header])
+    if loop.header not in program.summaries:
+        states: list[State] = []
+        for edge, state in _walk(program, loop.header, loop.blocks, initial_state(program, loop.header), None):
+            if edge in loop.back_edges:
+                states.append(state)
+        program.summaries[loop.header] = _merged(program, states, program.live[loop.header])
+    return [state.copy() for state in program.summaries[loop.header]]
 
 
-def entry_states(program: Program) -> dict[int, State]:
-    """For each loop header, the state when control comes from outside, in terms of values at the function's entry."""
+def entry_states(program: Program) -> dict[int, list[State]]:
+    """For each loop header, the states when control comes from outside, in terms of values at the function's entry."""
     if program.nest.irreducible:
         return {}
     headers: dict[int, list[State]] = {}
@@ -166,29 +186,28 @@ def entry_states(program: Program) -> dict[int, State]:
     everything = frozenset(range(len(program.cfg.blocks)))
     for _ in _walk(program, start, everything, state, headers):
         pass
-    return {h: _joined(program, states) for h, states in headers.items() if states}
+    return headers
 
 
 # ----------------------------------------------------------------------------------------------------------- walking
 def _walk(
-    program: Program, start: int, blocks: frozenset[int], state: State, headers: dict[int, list[State]]
+    program: Program, start: int, blocks: frozenset[int], state: State, headers: dict[int, list[State]] | None
 ) -> Iterable[tuple[int, State]]:
     """Follow the edges inside `blocks` from `start` without back edges; yields those not followed, with their states.
 
-    `headers` collects the states in which inner loops (and a loop at `start`) are entered.
+    `headers` collects the states in which loops are entered, also one at `start`. Without it the blocks are the body of a
+    loop at `start`, whose passes are followed.
     """
     pending: dict[int, list[State]] = {start: [state]}
     loops = {loop.header: loop for loop in program.nest.loops}
-    whole = len(blocks) == len(program.cfg.blocks)
     for block in _order(program, start, blocks):
         states = _merged(program, pending.pop(block, []), program.live[block])
         if not states:
             continue
-        if block in loops and (block != start or whole):
-            headers[block] = [s.copy() for s in states]
-            changes = loop_changes(program, loops[block])
-            for inner in states:
-                forget(program, inner, changes)
+        if block in loops and (block != start or headers is not None):
+            if headers is not None:
+                headers[block] = [s.copy() for s in states]
+            _enter_loop(program, loops[block], states)
             states = _merged(program, states, program.live[block])
         for edge, after in _execute_block(program, block, states):
             target = program.cfg.edges[edge].target
@@ -196,6 +215,21 @@ def _walk(
                 yield edge, after
             else:
                 pending.setdefault(target, []).append(after)
+
+
+def _enter_loop(program: Program, loop: Loop, states: list[State]) -> None:
+    """Turn states in which a loop is entered into states at its header in any iteration."""
+    ranges = program.inductive(program, loop, states)
+    changes = loop_changes(program, loop)
+    for state in states:
+        forget(program, state, changes)
+        for location, values in ranges.items():
+            if isinstance(location, Cell):
+                if any(overlap(location, region) for region in changes.memory):
+                    _lose(state, region_of(location))
+                    state.cells[location] = program.unknown(values.low, values.high)
+            elif location in changes.registers:
+                state.registers[location] = program.unknown(values.low, values.high)
 
 
 def _order(program: Program, start: int, blocks: frozenset[int]) -> list[int]:
@@ -270,6 +304,8 @@ def _step(program: Program, instruction: Instruction, state: State) -> list[Stat
     _perform(program, instruction, state)
     if isinstance(instruction.flow, SupervisorCall):
         _call(program, state, AAPCS)
+    if program.coarse and result and state.flags == result[0].flags:
+        return [_joined(program, [state, *result])]
     return [state, *result]
 
 
@@ -278,10 +314,30 @@ def _learn(state: State, relations: tuple[Relation, ...]) -> bool:
     for relation in relations:
         if relation in state.known:
             continue
-        if relation.negated in state.known or decide(relation) is False:
+        if any(other in state.known for other in _excluded(relation)) or decide(relation) is False:
             return False
         state.known |= {relation}
     return True
+
+
+def _excluded(relation: Relation) -> tuple[Relation, ...]:
+    """Relations between the same terms that cannot hold together with this one."""
+    a, b = relation.a, relation.b
+    match relation.kind:
+        case Kind.EQ:
+            kinds = (Kind.NE, Kind.ULT, Kind.SLT)
+            return tuple(Relation(k, *pair) for k in kinds for pair in ((a, b), (b, a)))
+        case Kind.NE:
+            return (Relation(Kind.EQ, a, b), Relation(Kind.EQ, b, a))
+        case Kind.ULT | Kind.SLT:
+            return (
+                relation.negated,
+                Relation(relation.kind, b, a),
+                Relation(Kind.EQ, a, b),
+                Relation(Kind.EQ, b, a),
+            )
+        case _:
+            return (relation.negated,)
 
 
 def decide(relation: Relation) -> bool | None:
@@ -497,7 +553,10 @@ def _merged(program: Program, states: list[State], live: frozenset[int] | None) 
                 break
         else:
             kept.append(state)
-    return [_joined(program, kept)] if len(kept) > MOST_STATES else kept
+    if len(kept) <= MOST_STATES:
+        return kept
+    program.joined = True
+    return [_joined(program, kept)]
 
 
 def _joined(program: Program, states: list[State]) -> State:

@@ -9,13 +9,13 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from mauve.wcet.flow.locations import WORD, Interval, Location, whole
-from mauve.wcet.flow.rank.measures import Contradiction, Knowledge, learn
+from mauve.wcet.flow.locations import WORD, Interval, Location
+from mauve.wcet.flow.rank.measures import Contradiction, Knowledge, hull, learn
 from mauve.wcet.flow.rank.paths import Program, State, value_at
 from mauve.wcet.flow.rank.terms import (
-    Atom,
     Fresh,
     Kind,
+    Ranges,
     Relation,
     Term,
     Truth,
@@ -36,26 +36,24 @@ MOST = 1 << 20
 
 @dataclass(slots=True)
 class Problem:
-    """A loop to rank: its passes with what is known on each, and the state in which it is entered (None: unknown)."""
+    """A loop to rank: its passes with what is known on each, and the states in which it is entered (none: unknown)."""
 
     program: Program
+    ranges: Ranges
+    """what holds of an atom at the header in any iteration"""
+    entry_ranges: Ranges
+    """what holds of an atom when the loop is entered"""
     passes: list[State]
     known: list[Knowledge]
-    entry: State | None
-    entry_known: Knowledge
-
-    def invariants(self, of: Atom) -> Interval:
-        """What holds of an atom at the header in any iteration."""
-        return invariants(self.program, of)
+    entries: list[tuple[State, Knowledge]]
 
     def after(self, term: Term, index: int) -> Term | None:
         """The term's value after pass `index`, in terms of the values before."""
-        state = self.passes[index]
+        return self.within(self.passes[index], term)
 
-        def value(of: Atom) -> Term | None:
-            return value_at(self.program, state, of.location) if isinstance(of, Var) else None
-
-        return substitute(term, value)
+    def within(self, state: State, term: Term) -> Term | None:
+        """The term with its variables replaced by their values in a state."""
+        return substitute(term, lambda of: value_at(self.program, state, of.location) if isinstance(of, Var) else None)
 
     def is_invariant(self, term: Term) -> bool:
         """Whether no pass changes the term."""
@@ -63,21 +61,16 @@ class Problem:
 
     def on_entry(self, term: Term) -> Interval:
         """The term's values when the loop is entered."""
-        best = bounds(term, self._entry_range)
-        if self.entry is None:
+        best = bounds(term, self.entry_ranges)
+        if not self.entries:
             return best
-        entry = self.entry
-        there = substitute(term, lambda of: value_at(self.program, entry, of.location) if isinstance(of, Var) else None)
-        return best if there is None else meet(best, self.entry_known.of_term(there))
-
-    def _entry_range(self, of: Atom) -> Interval:
-        if isinstance(of, Var):
-            return meet(whole(of.location), self.program.values.on_entry(of.location))
-        return static_range(of)
-
-    def entry_stride(self, of: Atom) -> Interval:
-        """The entry values of an atom with their stride."""
-        return self.program.values.on_entry(of.location) if isinstance(of, Var) else static_range(of)
+        found = []
+        for state, knowledge in self.entries:
+            there = self.within(state, term)
+            if there is None:
+                return best
+            found.append(knowledge.of_term(there))
+        return meet(best, hull(found))
 
 
 def is_header_term(term: Term) -> bool:
@@ -85,31 +78,30 @@ def is_header_term(term: Term) -> bool:
     return not any(isinstance(of, Fresh | Truth) for of in atoms(term))
 
 
-def invariants(program: Program, of: Atom) -> Interval:
-    """What holds of an atom at the header of the loop in any iteration."""
-    if isinstance(of, Var):
-        return meet(whole(of.location), program.values.invariant(of.location))
-    return static_range(of)
-
-
-def pose(program: Program, passes: list[State], entry: State | None) -> Problem:
-    """Put the facts of each pass together; passes whose facts contradict each other are dropped."""
+def pose(
+    program: Program,
+    passes: list[State],
+    entries: list[State],
+    ranges: Ranges = static_range,
+    entry_ranges: Ranges = static_range,
+) -> Problem:
+    """Put the facts of each pass and entry together; those whose facts contradict each other are dropped."""
     kept: list[State] = []
     known: list[Knowledge] = []
     for state in passes:
         _eliminate(state)
         try:
-            known.append(learn(Knowledge(lambda of: invariants(program, of)), state.known))
+            known.append(learn(Knowledge(ranges), state.known))
             kept.append(state)
         except Contradiction:
             continue
-    entry_known = Knowledge(static_range)
-    if entry is not None:
+    possible: list[tuple[State, Knowledge]] = []
+    for entry in entries:
         try:
-            learn(entry_known, entry.known)
+            possible.append((entry, learn(Knowledge(static_range), entry.known)))
         except Contradiction:
-            entry_known = Knowledge(static_range)
-    return Problem(program, kept, known, entry, entry_known)
+            continue
+    return Problem(program, ranges, entry_ranges, kept, known, possible)
 
 
 def _eliminate(state: State) -> None:

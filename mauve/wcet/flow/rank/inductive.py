@@ -1,0 +1,91 @@
+"""Intervals that hold at the header of a loop in every iteration, found by abstract execution of its passes with widening."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from mauve.wcet.binary.loops import Loop
+from mauve.wcet.flow.locations import HALF, WORD, Interval, Location
+from mauve.wcet.flow.rank.iterate import MOST_MEASURES, Engine
+from mauve.wcet.flow.rank.measures import contains, hull
+from mauve.wcet.flow.rank.paths import Program, State, summarise_loop
+from mauve.wcet.flow.rank.problem import Problem, pose
+from mauve.wcet.flow.rank.terms import Var, meet
+
+_EXACT_ROUNDS = 6
+
+
+def inductive(program: Program, loop: Loop, entries: list[State]) -> Mapping[Location, Interval]:
+    """Intervals of variables at the header of `loop`, entered in `entries`. Uses no value analysis but this."""
+    problem = pose(program, summarise_loop(program, loop), [state.copy() for state in entries])
+    if not problem.passes or not problem.entries:
+        return {}
+    return inductive_of(problem)
+
+
+def inductive_of(problem: Problem) -> Mapping[Location, Interval]:
+    """The least interval invariant that widening and two rounds of narrowing find.
+
+    With E the intervals at entry and F what a pass makes of intervals, the result X satisfies E <= X and F(X) <= X when the
+    widening has become stable; E join F(X) of such an X is again one, so narrowing keeps that.
+    """
+    engine = Engine(problem)
+    if not 0 < len(engine.measures) <= MOST_MEASURES:
+        return {}
+    entry = engine.start()
+    current = entry
+    for round_number in range(_EXACT_ROUNDS + 4 * len(entry)):
+        grown = _round(engine, entry, current)
+        if all(_inside(g, c) for g, c in zip(grown, current, strict=True)):
+            break
+        current = grown if round_number < _EXACT_ROUNDS else [_widen(c, g) for c, g in zip(current, grown, strict=True)]
+    else:
+        return {}
+    for _ in range(2):
+        current = [meet(c, g) for c, g in zip(current, _round(engine, entry, current), strict=True)]
+    found: dict[Location, Interval] = {}
+    for measure, values in zip(engine.measures, current, strict=True):
+        if len(measure.parts) == 1 and values.high - values.low < WORD - 1:
+            ((of, factor),) = measure.parts
+            if isinstance(of, Var) and factor == 1:
+                found[of.location] = values
+    return found
+
+
+def _round(engine: Engine, entry: list[Interval], current: list[Interval]) -> list[Interval]:
+    """E join current join F(current), or E join F(current) when that is inside already."""
+    following = engine.step(current)
+    if following is None:
+        return entry
+    return [hull([e, f]) for e, f in zip(entry, following, strict=True)]
+
+
+def _inside(inner: Interval, outer: Interval) -> bool:
+    return (
+        contains(outer, inner.low) and (inner.low - outer.low) % WORD + inner.high - inner.low <= outer.high - outer.low
+    )
+
+
+def _widen(old: Interval, new: Interval) -> Interval:
+    """An interval around both, with its moving end at the end of a reading."""
+    both = hull([old, new])
+    if both.low == old.low and both.high == old.high:
+        return old
+    low, high = both.low, both.high
+    if low == old.low:
+        return (
+            Interval(low, HALF - 1)
+            if high < HALF
+            else Interval(low, WORD - 1)
+            if high < WORD
+            else Interval(0, WORD - 1)
+        )
+    if high == old.high:
+        return (
+            Interval(0, high)
+            if low >= 0 and high < WORD
+            else Interval(-HALF, high)
+            if high < HALF
+            else Interval(0, WORD - 1)
+        )
+    return Interval(0, WORD - 1)
