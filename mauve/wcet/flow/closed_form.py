@@ -135,12 +135,10 @@ def _free_part(header: Header, value: Value) -> tuple[Value, Range, Range] | Non
     """(the steady part, the first values of the rest, its steps) of a value."""
     if _steady(header, value):
         return value, _NOTHING, _NOTHING
-    if header.back is None:
-        return None
     for symbol, (at_entry, later) in header.free.items():
-        if later is None:
+        step = header.steps.get(symbol)
+        if later is None or step is None:
             continue
-        step = header.back.range_of(linear.sub(later, (0, symbol, 1)))
         first = header.entry.range_of(at_entry)
         rest = linear.sub(value, later)
         if _steady(header, rest):

@@ -25,6 +25,7 @@ def join(a: State, b: State) -> State:
     new.symbols = a.symbols
     new.flags = a.flags | b.flags
     new.leaked = a.leaked or b.leaked
+    new.pins = a.pins if a.pins is b.pins else {s: v for s, v in a.pins.items() if b.pins.get(s) == v}
     other = b.ranges
     new.ranges = {}
     for symbol, known in a.ranges.items():
@@ -75,8 +76,10 @@ class _Pairs:
         self.known: dict[tuple[Value, Value], Value] = {}
 
     def value(self, x: Value, y: Value) -> Value:
-        if x == y:
+        if x == y or self.b.pinned(x) == y:
             return x
+        if self.a.pinned(y) == x:
+            return y
         step = linear.sub(y, x)
         if type(step) is int and (type(x) is int or len(x) <= 2 * MOST_TERMS - 1):  # type: ignore[arg-type]
             if self.indicator is None:
@@ -109,8 +112,8 @@ class Header:
     state: State
     kappa: int
     free: dict[int, tuple[Value, Value | None]] = field(default_factory=dict)
-    back: State | None = None
-    """the state at the back edges that `free` speaks of"""
+    steps: dict[int, Range] = field(default_factory=dict)
+    """how far a free symbol moves from one iteration to the next"""
 
     def limit(self, most: int | None) -> None:
         """Consider the first `most` visits only (None: all)."""
@@ -174,9 +177,9 @@ def generalise(entry: State, back: State, thresholds: Sequence[int]) -> Header:
             if place[0] >= 0:
                 state.cells(place[0]).pop(place[1])
             continue
-        if later == value:
+        if later in (value, back.pinned(value)):
             continue
-        step = linear.sub(later, value)
+        step = linear.sub(later, back.pinned(value))
         if type(step) is int and (type(value) is int or len(value) <= 2 * MOST_TERMS - 1):  # type: ignore[arg-type]
             _put(state, place, linear.add(value, linear.scale((0, kappa, 1), domain.signed(step))))
             continue
@@ -199,7 +202,7 @@ def fit(header: Header, back: State, thresholds: Sequence[int]) -> bool:
     Afterwards `free` holds the next value of each free symbol.
     """
     state, fits = header.state, True
-    header.back = back
+    header.steps = {}
     next_kappa: Value = (1, header.kappa, 1)
     later_of: dict[int, Value] = {}
     if back.leaked and not state.leaked:
@@ -215,10 +218,10 @@ def fit(header: Header, back: State, thresholds: Sequence[int]) -> bool:
         expected = linear.substitute(value, header.kappa, next_kappa)
         mine = next((s for s in linear.symbols(value) if s in header.free), None)
         if mine is None:
-            if expected == later:
+            if later in (expected, back.pinned(expected)):
                 continue
         else:
-            moved = linear.sub(later, linear.sub(expected, (0, mine, 1)))
+            moved = linear.sub(later, back.pinned(linear.sub(expected, (0, mine, 1))))
             if later_of.setdefault(mine, moved) == moved:
                 continue
         fits = False
@@ -234,6 +237,8 @@ def _fit_ranges(header: Header, back: State, later_of: dict[int, Value], thresho
     for symbol, (at_entry, _) in list(header.free.items()):
         later = later_of.get(symbol)
         header.free[symbol] = (at_entry, later)
+        if later is not None:
+            header.steps[symbol] = back.range_of(linear.sub(later, back.pinned((0, symbol, 1))))
         known = state.ranges.get(symbol, TOP)
         if later is None or known.is_top:
             continue

@@ -2,7 +2,7 @@
 
 A state stands for all machine states for which some assignment of numbers to its symbols, within their ranges, gives the
 registers and memory cells their values. Refining a symbol refines every register and cell that holds it; that is how a
-compare of a copy narrows the stack slot it was loaded from.
+compare of a copy narrows the stack slot it was loaded from. `pins` remembers symbols that were replaced by their only value.
 
 Memory is kept in regions. The region of a symbol p holds cells at p + offset; region ABSOLUTE (0) those at fixed addresses.
 Assumed: the frame is not reached through pointers that the function did not derive from sp (unless `leaked`), and memory changes
@@ -23,6 +23,8 @@ ABSOLUTE = 0
 """The region of fixed addresses."""
 NARROW = 1 << 20
 """An offset that varies by less than this is one that we follow; a wider one is as good as unknown."""
+MOST_READ = 32
+"""What was read from a region outside the frame is remembered for at most this many cells."""
 
 Cells = dict[int, tuple[int, Value]]
 Origin = tuple[FlagKind, Value, Value]
@@ -42,7 +44,7 @@ class Symbols:
 class State:
     """See the module's description. `flags` is a set of possible NZCV (see flags.py), `origin` the compare they come from."""
 
-    __slots__ = ("flags", "leaked", "memory", "origin", "ranges", "regs", "shared", "symbols")
+    __slots__ = ("flags", "leaked", "memory", "origin", "pins", "ranges", "regs", "shared", "symbols")
 
     def __init__(self, symbols: Symbols) -> None:
         self.symbols = symbols
@@ -52,6 +54,7 @@ class State:
         self.memory: dict[int, Cells] = {}
         self.shared: set[int] = set()
         self.ranges: dict[int, Range] = {}
+        self.pins: dict[int, Value] = {}
         self.leaked = False
 
     def copy(self) -> State:
@@ -65,6 +68,7 @@ class State:
         self.shared = set(self.memory)
         new.shared = set(self.memory)
         new.ranges = self.ranges.copy()
+        new.pins = self.pins
         new.leaked = self.leaked
         return new
 
@@ -157,9 +161,13 @@ class State:
     def _set_range(self, symbol: int, known: Range) -> None:
         """Narrow a symbol; one that has a single value left is replaced by it everywhere."""
         self.ranges[symbol] = known
-        if known.n or symbol == FRAME:
-            return
-        number = known.low
+        if known.n == 0 and symbol != FRAME:
+            self._replace(symbol, known.low)
+
+    def _replace(self, symbol: int, number: Value) -> None:
+        """Write another value for a symbol wherever it stands, and remember that they are equal."""
+        self.pins = {s: linear.substitute(v, symbol, number) for s, v in self.pins.items()}
+        self.pins[symbol] = number
         self.regs = [linear.substitute(v, symbol, number) if type(v) is not int else v for v in self.regs]
         if self.origin is not None:
             kind, a, b = self.origin
@@ -168,6 +176,32 @@ class State:
             found = [(o, c) for o, c in cells.items() if type(c[1]) is not int and linear.factor_of(c[1], symbol)]
             for offset, (size, value) in found:
                 self.cells(region)[offset] = (size, linear.substitute(value, symbol, number))
+
+    def _unify(self, difference: Value) -> None:
+        """Use that a sum of several symbols is 0: express the youngest one by the others."""
+        if type(difference) is int or len(difference) < 5:  # type: ignore[arg-type]
+            return
+        symbol, factor = difference[-2], difference[-1]  # type: ignore[index]
+        rest = linear.sub(difference, (0, symbol, factor))
+        if linear.is_entry_symbol(symbol) or symbol in self.memory:
+            return
+        other = linear.divide(linear.scale(rest, -1 if factor > 0 else 1), abs(factor))
+        if other is None:
+            return
+        mine, theirs = self.ranges.get(symbol, TOP), self.range_of(other)
+        if abs(factor) > 1 and domain.join(mine, theirs).span * abs(factor) >= MODULUS:
+            return
+        if self.require(other, mine.low, mine.high):
+            self._replace(symbol, other)
+
+    def pinned(self, value: Value) -> Value:
+        """The value with those symbols replaced that were found to be equal to others."""
+        if type(value) is int or not self.pins:
+            return value
+        for symbol in linear.symbols(value):
+            if symbol in self.pins:
+                value = linear.substitute(value, symbol, self.pins[symbol])
+        return value
 
     def exclude(self, value: Value, number: int) -> bool:
         """Assume the value is not `number`; False where that cannot be."""
@@ -228,6 +262,7 @@ class State:
                     return False
                 if condition is not Condition.EQ:
                     return True
+                self._unify(linear.sub(a, b))
                 known = self.range_of(b)
                 if not self.require(a, known.low, known.high):
                     return False
@@ -384,8 +419,9 @@ class State:
                 value = image(low, size)
             if value is None and (region != ABSOLUTE or image(low & ~3, 0) is not None):
                 value = self.fresh(_BY_SIZE[size])
-                self.forget_bytes(region, low, low + size - 1)
-                self.cells(region)[low] = (size, value)
+                if region == FRAME or len(self.memory.get(region, ())) < MOST_READ:
+                    self.forget_bytes(region, low, low + size - 1)
+                    self.cells(region)[low] = (size, value)
         elif region == ABSOLUTE and not self._overlaps(low, high + size - 1):
             value = self._load_table(address, size, image)
         if value is None:
@@ -463,6 +499,7 @@ class State:
         for region in waiting:
             del self.memory[region]
         self.ranges = {symbol: known for symbol, known in self.ranges.items() if symbol in live}
+        self.pins = {}
 
 
 _BY_SIZE = {1: domain.BYTE, 2: domain.HALF, 4: TOP}
