@@ -1,1 +1,3 @@
-"""From the resolved model to what the analyses take: codels to symbols, components to PSMs, deployments to task sets."""
+"""From the resolved model to what the analyses take: codels to symbols, components to PSMs, deployments to task
+sets.
+"""

@@ -1,8 +1,8 @@
 """Critical sections and the blocking they cause (immediate ceiling protocol; semantics of record, section 4).
 
-An operation that runs in its caller executes inside a critical section of its provider. The ceiling of a provider is the
-highest priority among its callers' tasks. A task is blocked at most once, by the longest section of a less urgent task
-whose ceiling reaches the task's own priority.
+An operation that runs in its caller executes inside a critical section of its provider. The ceiling of a provider
+is the highest priority among its callers' tasks. A task is blocked at most once, by the longest section of a less
+urgent task whose ceiling reaches the task's own priority.
 """
 
 from __future__ import annotations
@@ -40,7 +40,9 @@ def sections(instances: Iterable[Instance], deployment: Deployment, times: Mappi
 
 
 def blocking(priority: int, tasks: Sequence[tuple[int, tuple[Section, ...]]]) -> Section | None:
-    """The section that blocks a task of this priority longest; None where nothing can. `tasks` are (priority, sections)."""
+    """The section that blocks a task of this priority longest; None where nothing can. `tasks` are (priority,
+    sections).
+    """
     ceilings: dict[str, int] = {}
     for other, held in tasks:
         for section in held:

@@ -31,7 +31,9 @@ class Service:
 
 @dataclass(frozen=True, slots=True)
 class Use:
-    """A codel that a step of an instance executes; `provider` is set for a call, `when` says in words where it stands."""
+    """A codel that a step of an instance executes; `provider` is set for a call, `when` says in words where it
+    stands.
+    """
 
     codel: CodelId
     when: str

@@ -1,7 +1,7 @@
 """The codels that a deployment executes, the symbol of each in its binary, and the time that counts for it.
 
-Times come in this order (semantics of record, section 4): derived from the binary, assumed, declared. A codel with none of
-the three is an error, never 0.
+Times come in this order (semantics of record, section 4): derived from the binary, assumed, declared. A codel with
+none of the three is an error, never 0.
 """
 
 from __future__ import annotations
@@ -28,7 +28,9 @@ class Source(Enum):
 
 @dataclass(frozen=True, slots=True)
 class CodelPlan:
-    """A codel that some task executes: every place of use, its symbol, and whether that name was written by somebody."""
+    """A codel that some task executes: every place of use, its symbol, and whether that name was written by
+    somebody.
+    """
 
     id: CodelId
     codel: Codel
@@ -117,7 +119,9 @@ def choose_times(
 
 
 def _assumption(plan: CodelPlan, nodes: tuple[Node, ...]) -> Assumption | None:
-    """The assumption that names the codel, else the one for all others, else None. A declared time goes before `others`."""
+    """The assumption that names the codel, else the one for all others, else None. A declared time goes before
+    `others`.
+    """
     every = [assumption for node in nodes for assumption in node.assumptions]
     named = next((a for a in every if a.codel == plan.id), None)
     if named is not None or plan.codel.wcet is not None:

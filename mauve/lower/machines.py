@@ -1,8 +1,9 @@
 """From a component to its periodic state machines (seed 001, III.C.2; semantics of record, section 2).
 
-From state s every activation costs message + method + run of s + the guards evaluated until one holds, or all of them when
-none does: that is the loop s -> s. A transition s -> t adds exit of s, its own `do` steps, entry of t. A start pseudo-state
-pays the entry of the initial state. Orthogonal regions are machines of their own; a nested region has an inactive state.
+From state s every activation costs message + method + run of s + the guards evaluated until one holds, or all of
+them when none does: that is the loop s -> s. A transition s -> t adds exit of s, its own `do` steps, entry of t. A
+start pseudo-state pays the entry of the initial state. Orthogonal regions are machines of their own; a nested
+region has an inactive state.
 """
 
 from __future__ import annotations
@@ -74,7 +75,9 @@ def machines(instance: Instance, architecture: Architecture, times: Times) -> tu
 
 
 def waiting_messages(instance: Instance, architecture: Architecture) -> int:
-    """The most messages that may wait at one activation: the sizes of the queues into its ports, 1 for an unbuffered one."""
+    """The most messages that may wait at one activation: the sizes of the queues into its ports, 1 for an
+    unbuffered one.
+    """
     sizes = [c.size or 1 for c in architecture.data if c.target.instance == instance.name]
     return max(1, sum(sizes))
 

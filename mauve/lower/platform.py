@@ -1,4 +1,6 @@
-"""From the model's board and flow facts to those of the WCET engine, and its overheads to those of the timing analysis."""
+"""From the model's board and flow facts to those of the WCET engine, and its overheads to those of the timing
+analysis.
+"""
 
 from __future__ import annotations
 
@@ -30,8 +32,8 @@ def _cycles(wait: Wait, hertz: int) -> int:
 
 
 def flow_facts(binary: Binary) -> tuple[facts.Fact, ...]:
-    """The loop facts of a binary. One by source line counts bodies, one by address or symbol counts headers (semantics of
-    record, section 5). `key` is the index of the fact in `binary.loops`."""
+    """The loop facts of a binary. One by source line counts bodies, one by address or symbol counts headers
+    (semantics of record, section 5). `key` is the index of the fact in `binary.loops`."""
     return tuple(_loop_fact(fact, key) for key, fact in enumerate(binary.loops))
 
 

@@ -1,14 +1,16 @@
-"""From a deployment to the task set of each node: one task per active instance, or per thread where threads are declared."""
+"""From a deployment to the task set of each node: one task per active instance, or per thread where threads are
+declared.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from mauve.diagnostics.diagnostic import Diagnostic, Fix, Label, Report, Severity
 from mauve.lower.blocking import Section, blocking, sections
 from mauve.lower.machines import Machine
-from mauve.model.model import Deployment, Instance, Node, PortKind, Setting, Thread
+from mauve.model.model import Deployment, Instance, Node, Setting, Thread
 from mauve.model.periods import common_period
 from mauve.model.priorities import rate_monotonic
 from mauve.model.threads import PORTS, placement
@@ -196,8 +198,6 @@ def _prioritised(
 def _with_blocking(
     placed: list[PlacedTask], deployment: Deployment, times: Mapping[object, int]
 ) -> tuple[PlacedTask, ...]:
-    from dataclasses import replace
-
     holders = [replace(one, sections=sections(one.instances, deployment, times)) for one in placed]
     views = [(one.task.priority, one.sections) for one in holders]
     result = []
@@ -206,12 +206,3 @@ def _with_blocking(
         task = replace(one.task, blocking=worst.length if worst else 0)
         result.append(replace(one, task=task, blocker=worst))
     return tuple(result)
-
-
-def wakers(instance: Instance, deployment: Deployment) -> tuple[str, ...]:
-    """The instances whose writes wake this one through an event port."""
-    events = {port.name for port in instance.component.ports if port.kind is PortKind.EVENT}
-    connections = deployment.architecture.data
-    return tuple(
-        c.source.instance for c in connections if c.target.instance == instance.name and c.target.name in events
-    )

@@ -13,6 +13,7 @@ from mauve.model.names import Scope, duplicate, unknown
 from mauve.model.periods import region_period
 from mauve.model.priorities import rate_monotonic
 from mauve.model.typing import TypeTable, check_value
+from mauve.model.wakeups import check_separations
 from mauve.source import Span
 from mauve.syntax import ast
 from mauve.units import format_time
@@ -45,6 +46,7 @@ def resolve_architecture(declaration: ast.ArchitectureDecl, context: Context, re
     instances = {instance.name: instance for instance in with_defaults}
     external = _external(declaration, instances, failed, report)
     data, services = resolve_connections(declaration, instances, frozenset(failed), external, report)
+    check_separations(data, instances, report)
     endpoints = tuple(endpoint for endpoint, _ in external)
     return Architecture(declaration.name.text, with_defaults, data, services, endpoints, declaration.name.span)
 

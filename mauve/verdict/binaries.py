@@ -1,11 +1,15 @@
-"""Problems of a codel's WCET analysis as diagnostics: located in the source and the binary, with the fact that is missing."""
+"""Problems of a codel's WCET analysis as diagnostics: located in the source and the binary, with the fact that is
+missing.
+"""
 
 from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
 
 from mauve.diagnostics.diagnostic import Applicability, Diagnostic, Fix, Label, Severity
 from mauve.lower.codels import CodelPlan
 from mauve.model.model import Binary, Board, Deployment
-from mauve.wcet.result import Problem, ProblemKind
+from mauve.wcet.result import Problem, ProblemKind, WcetResult
 
 CODES = {
     ProblemKind.LOOP: "MV511",
@@ -17,11 +21,24 @@ CODES = {
     ProblemKind.DECODE: "MV506",
     ProblemKind.OUTSIDE: "MV509",
     ProblemKind.SYMBOL: "MV501",
+    ProblemKind.BINARY: "MV502",
+    ProblemKind.NOT_ARM: "MV503",
     ProblemKind.NOT_A_FUNCTION: "MV505",
     ProblemKind.LIMIT: "MV517",
     ProblemKind.HARDWARE: "MV510",
     ProblemKind.NO_RETURN: "MV508",
+    ProblemKind.BINARY: "MV502",
+    ProblemKind.FACT_NOWHERE: "MV514",
+    ProblemKind.FACT_CONTRADICTED: "MV515",
 }
+
+NOTES = {
+    ProblemKind.FACT_NOWHERE: ("MV514", Severity.ERROR),
+    ProblemKind.FACT_CONTRADICTED: ("MV515", Severity.ERROR),
+    ProblemKind.FACT_SEVERAL: ("MV518", Severity.NOTE),
+    ProblemKind.FACT_LOOSE: ("MV518", Severity.NOTE),
+}
+"""The code and severity of what the analysis notices about flow facts."""
 
 
 def problem_diagnostic(
@@ -78,3 +95,19 @@ def _symbol(
         help_ = Fix(f'bind it in the binary: `{plan.id} = "SYMBOL"`, or `assume {plan.id} wcet ...`')
     labels = (Label(plan.codel.span, "the codel"),)
     return Diagnostic(code, message, primary, severity, labels, "", notes, help_)
+
+
+def unreadable(binary: Binary, message: str) -> Diagnostic:
+    """MV502: there is no binary to analyse."""
+    help_ = Fix("build it, or correct its path: it is relative to the model's file")
+    return Diagnostic("MV502", message, Label(binary.span), help=help_)
+
+
+def note_diagnostics(results: Sequence[WcetResult], binary: Binary) -> Iterator[Diagnostic]:
+    """What the analysis noticed about flow facts: each fact once, at the place where it is written."""
+    for result in results:
+        for problem in result.notes:
+            code, severity = NOTES.get(problem.kind, ("MV518", Severity.NOTE))
+            fact = next((f for f in binary.loops if str(f.span) == problem.written), None)
+            primary = Label(fact.span) if fact is not None else Label(binary.span, problem.written)
+            yield Diagnostic(code, problem.message, primary, severity)

@@ -24,7 +24,7 @@ def report_node(deployment: Deployment, node: NodeTasks, analysis: Analysis, rep
         report.add(_overload(deployment, node, analysis, overloaded[0], severity))
     for placed in node.tasks:
         result = analysis.result(placed.task.name)
-        if result.reason in (Reason.FULL_LOAD, Reason.LIMIT):
+        if result.reason in (Reason.FULL_LOAD, Reason.LIMIT, Reason.ARRIVALS):
             report.add(_unbounded(deployment, placed, result, severity))
         elif not result.schedulable:
             report.add(_missed(deployment, placed, analysis, result, severity))

@@ -1,0 +1,145 @@
+"""The composition of the stages, in the order of figure 3 of the MAUVE paper:
+
+    text -> AST -> model -> [per deployment] codels -> WCETs -> PSMs -> tasks -> response times -> verdict
+
+Each stage is a function from one intermediate representation to the next; user errors go to the report. What a stage
+produced stays in the result, so that `--emit` can print it and a person can follow a number back to its instruction.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from mauve.diagnostics.diagnostic import Report
+from mauve.lower.activation import settle
+from mauve.lower.codels import CodelTime, choose_times, plan_codels
+from mauve.lower.machines import Machine, machines
+from mauve.lower.platform import timing_platform
+from mauve.lower.tasks import NodeTasks, task_sets
+from mauve.model.model import Deployment, Model
+from mauve.model.resolve import resolve
+from mauve.syntax.ast import DeploymentDecl, Module, String
+from mauve.syntax.load import load_modules, standard_module
+from mauve.timing.response import Analysis, Method
+from mauve.verdict.deadlines import report_expectation, report_node
+from mauve.verdict.derive import Derivation, derive
+
+
+@dataclass(frozen=True, slots=True)
+class Options:
+    """What a check was asked to do. `deployment` None means all that are not abstract; `cache` whether results of
+    earlier runs may be used and kept."""
+
+    deployment: str | None = None
+    method: Method = Method.TRACE
+    cache: bool = True
+
+
+@dataclass(frozen=True, slots=True)
+class NodeResult:
+    """One processor: its tasks and their responses (None where a task is missing)."""
+
+    tasks: NodeTasks
+    analysis: Analysis | None
+
+
+@dataclass(frozen=True, slots=True)
+class DeploymentResult:
+    """One deployment. `complete` says that every codel has a time and every task a place; `holds` that it is complete
+    and every deadline is proven; `as_expected` that the verdict is the one the model asks for."""
+
+    deployment: Deployment
+    codels: tuple[CodelTime, ...]
+    machines: Mapping[str, tuple[Machine, ...] | None]
+    nodes: tuple[NodeResult, ...]
+    complete: bool
+    holds: bool
+
+    @property
+    def as_expected(self) -> bool:
+        """Whether the verdict is the one that the model asks for."""
+        return self.complete and self.holds == (self.deployment.expect_unschedulable is None)
+
+
+@dataclass(frozen=True, slots=True)
+class CheckResult:
+    """Everything a check produced, stage by stage. `deployments` is empty when the model is in error."""
+
+    path: str
+    modules: tuple[Module, ...]
+    model: Model | None
+    deployments: tuple[DeploymentResult, ...]
+
+    def passes(self, report: Report) -> bool:
+        """Whether the input is free of errors and every deployment has the verdict it asks for."""
+        return not report.has_errors and all(deployment.as_expected for deployment in self.deployments)
+
+
+def read_model(path: str, report: Report) -> tuple[tuple[Module, ...], Model | None]:
+    """Text -> AST -> model, of a file and its imports. None where there is a syntax error."""
+    modules = load_modules(Path(path), report)
+    if not modules or report.has_errors:
+        return modules, None
+    return modules, resolve(modules, _standard_boards(modules, report), report)
+
+
+def _standard_boards(modules: tuple[Module, ...], report: Report) -> tuple[Module, ...]:
+    """The module of the boards that a node may name by a string; read only where some node does."""
+    if not any(_names_board(module) for module in modules):
+        return ()
+    module = standard_module("boards", report)
+    return (module,) if module is not None else ()
+
+
+def _names_board(module: Module) -> bool:
+    return any(
+        isinstance(node.board, String)
+        for declaration in module.declarations
+        if isinstance(declaration, DeploymentDecl)
+        for node in declaration.nodes
+    )
+
+
+def check(path: str, options: Options, report: Report) -> CheckResult:
+    """The main job: does every deadline of the file's deployments hold. Analyses run on models without errors only."""
+    modules, model = read_model(path, report)
+    if model is None or report.has_errors:
+        return CheckResult(path, modules, model, ())
+    chosen = [d for d in model.deployments if options.deployment in (None, d.name)]
+    wanted = [d for d in chosen if not d.abstract or d.name == options.deployment]
+    results = tuple(check_deployment(deployment, options, report) for deployment in wanted)
+    return CheckResult(path, modules, model, results)
+
+
+def check_deployment(deployment: Deployment, options: Options, report: Report) -> DeploymentResult:
+    """Codels -> WCETs -> PSMs -> tasks -> response times -> verdict, of one deployment."""
+    plans = plan_codels(deployment)
+    derivation = derive(deployment, plans, options.cache, report)
+    codels = choose_times(plans, deployment, derivation.codels, report)
+    times = {codel.plan.id: codel.time for codel in codels if codel.time is not None}
+    architecture = deployment.architecture
+    built = {i.name: machines(i, architecture, times) for i in architecture.instances if i.active}
+    placed = task_sets(deployment, built, times, report)
+    nodes = _respond(deployment, placed, derivation, options.method)
+    for node in nodes:
+        if node.analysis is not None:
+            report_node(deployment, node.tasks, node.analysis, report)
+    complete = derivation.complete and _complete(codels, nodes)
+    holds = complete and all(node.analysis is not None and node.analysis.schedulable for node in nodes)
+    report_expectation(deployment, holds, complete, report)
+    return DeploymentResult(deployment, codels, built, nodes, complete, holds)
+
+
+def _respond(
+    deployment: Deployment, placed: Sequence[NodeTasks], derivation: Derivation, method: Method
+) -> tuple[NodeResult, ...]:
+    platforms = [timing_platform(node.node, derivation.handlers) for node in placed]
+    analyses = settle(deployment, placed, platforms, method)
+    return tuple(NodeResult(*pair) for pair in zip(analyses.nodes, analyses.results, strict=True))
+
+
+def _complete(codels: Sequence[CodelTime], nodes: Sequence[NodeResult]) -> bool:
+    timed = all(codel.time is not None for codel in codels)
+    return bool(nodes) and timed and all(node.tasks.complete and node.analysis is not None for node in nodes)

@@ -1,0 +1,157 @@
+"""The WCETs of a deployment's codels from its binaries, and what went wrong told as diagnostics."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from mauve.diagnostics.diagnostic import Diagnostic, Label, Report, Severity
+from mauve.lower.codels import CodelPlan, derivable, has_fallback
+from mauve.lower.platform import flow_facts, wcet_board
+from mauve.model.model import Binary, CodelId, Deployment, Interrupt, Node
+from mauve.source import SourceFile, Span
+from mauve.verdict.binaries import note_diagnostics, problem_diagnostic, unreadable
+from mauve.verdict.stale import check_stale
+from mauve.wcet.result import ProblemKind, WcetResult
+
+if TYPE_CHECKING:
+    from mauve.wcet.cache import Cache
+    from mauve.wcet.flow.facts import Fact
+
+
+@dataclass(frozen=True, slots=True)
+class Derivation:
+    """What the binaries of a deployment say: a result per codel with the binary it comes from, and the cost of each
+    interrupt handler in picoseconds (one without a cost was reported and is left out)."""
+
+    codels: Mapping[CodelId, tuple[WcetResult, Binary]]
+    handlers: Mapping[str, int]
+    complete: bool
+
+
+def derive(deployment: Deployment, plans: tuple[CodelPlan, ...], use_cache: bool, report: Report) -> Derivation:
+    """Analyse every codel in the binaries of the deployment, and the interrupt handlers named by symbol."""
+    cache = _open_cache(use_cache)
+    found: dict[CodelId, tuple[WcetResult, Binary]] = {}
+    handlers: dict[str, int] = {}
+    complete = True
+    for node, binary in derivable(deployment):
+        if not _readable(binary, report):
+            complete = False
+            continue
+        wanted = [plan for plan in plans if _belongs(plan, binary, found)]
+        named = [i for i in node.interrupts if i.wcet is None and i.symbol is not None and i.name not in handlers]
+        symbols = [plan.symbol for plan in wanted] + [i.symbol for i in named if i.symbol is not None]
+        results = _analyse(symbols, node, binary, cache, report)
+        check_stale(binary, cache, report)
+        for plan, result in zip(wanted, results, strict=False):
+            found[plan.id] = (result, binary)
+        for interrupt, result in zip(named, results[len(wanted) :], strict=True):
+            if result.time is not None:
+                handlers[interrupt.name] = result.time
+            else:
+                complete = False
+                _report_handler(interrupt, result, binary, report)
+    for node in deployment.nodes:
+        handlers |= {i.name: i.wcet for i in node.interrupts if i.wcet is not None}
+    _report_problems(deployment, plans, found, report)
+    kept = {id_: pair for id_, pair in found.items() if not _only_missing(pair[0])}
+    return Derivation(kept, handlers, complete)
+
+
+def _open_cache(use_cache: bool) -> Cache | None:
+    if not use_cache:
+        return None
+    from mauve.wcet.cache import Cache, default_path
+
+    return Cache(default_path())
+
+
+def _readable(binary: Binary, report: Report) -> bool:
+    """Whether the file is there; what is wrong inside it is for the analysis to say."""
+    path = Path(binary.path)
+    if path.is_file():
+        return True
+    what = "is a directory" if path.is_dir() else "does not exist"
+    report.add(unreadable(binary, f"the binary `{binary.path}` {what}"))
+    return False
+
+
+def _belongs(plan: CodelPlan, binary: Binary, found: Mapping[CodelId, tuple[WcetResult, Binary]]) -> bool:
+    """Whether to look for a codel in a binary: where it is bound to a symbol, or not found in an earlier one."""
+    if any(codel == plan.id for codel, _, _ in binary.symbols):
+        return True
+    earlier = found.get(plan.id)
+    return earlier is None or _only_missing(earlier[0])
+
+
+def _only_missing(result: WcetResult) -> bool:
+    """Whether the binary just does not have the function."""
+    return bool(result.problems) and all(p.kind is ProblemKind.SYMBOL for p in result.problems)
+
+
+def _analyse(
+    symbols: list[str], node: Node, binary: Binary, cache: Cache | None, report: Report
+) -> tuple[WcetResult, ...]:
+    from mauve.wcet.analysis import analyse
+
+    facts = flow_facts(binary) + _fact_files(binary, report)
+    results = analyse(binary.path, symbols, wcet_board(node.board), facts, cache=cache)
+    for diagnostic in note_diagnostics(results, binary):
+        report.add(diagnostic)
+    return results
+
+
+def _fact_files(binary: Binary, report: Report) -> tuple[Fact, ...]:
+    """The flow facts of OTAWA files, their errors reported at the place in the .ff file."""
+    from mauve.wcet.flow.otawa import parse_facts
+
+    facts: list[Fact] = []
+    for path, span in binary.fact_files:
+        try:
+            text = Path(path).read_text(encoding="utf-8")
+        except (OSError, UnicodeDecodeError) as error:
+            reason = error.strerror if isinstance(error, OSError) else "it is not UTF-8 text"
+            message = f"the flow facts `{path}` cannot be read: {reason}"
+            report.add(Diagnostic("MV516", message, Label(span)))
+            continue
+        parsed = parse_facts(text, path)
+        file = SourceFile(path, text)
+        for problem in parsed.problems:
+            report.add(_fact_problem(file, problem.line, problem.column, problem.message, problem.is_error))
+        facts += parsed.facts
+    return tuple(facts)
+
+
+def _fact_problem(file: SourceFile, line: int, column: int, message: str, is_error: bool) -> Diagnostic:
+    start = min(file.line_starts[min(line, len(file.line_starts)) - 1] + column - 1, len(file.text))
+    span = Span(file, start, min(start + 1, len(file.text)))
+    return Diagnostic("MV516", message, Label(span), Severity.ERROR if is_error else Severity.NOTE)
+
+
+def _report_handler(interrupt: Interrupt, result: WcetResult, binary: Binary, report: Report) -> None:
+    for problem in result.problems:
+        message = f"the handler of the interrupt `{interrupt.name}` has no WCET: {problem.message}"
+        report.add(Diagnostic("MV520", message, Label(interrupt.span), labels=(Label(binary.span, "the binary"),)))
+
+
+def _report_problems(
+    deployment: Deployment,
+    plans: tuple[CodelPlan, ...],
+    found: Mapping[CodelId, tuple[WcetResult, Binary]],
+    report: Report,
+) -> None:
+    """A diagnostic for each problem of each codel; a function that is missing matters only where nothing else
+    gives a time, or where its symbol was written."""
+    boards = {binary.path: node.board for node, binary in derivable(deployment)}
+    for plan in plans:
+        if plan.id not in found:
+            continue
+        result, binary = found[plan.id]
+        fallback = has_fallback(plan, deployment)
+        if _only_missing(result) and fallback and plan.symbol_span is None:
+            continue
+        for problem in result.problems:
+            report.add(problem_diagnostic(problem, plan, binary, boards[binary.path], deployment, fallback))
