@@ -65,6 +65,11 @@ class ProblemKind(Enum):
     LIMIT = "analysis-limit"
     HARDWARE = "unmodelled-hardware"
     NO_RETURN = "no-return"
+    FACT_NOWHERE = "fact-matches-nothing"
+    FACT_CONTRADICTED = "fact-contradicted"
+    FACT_SEVERAL = "fact-matches-several"
+    FACT_LOOSE = "fact-not-needed"
+    """a fact that allows more than the analysis proves: the smaller bound is used"""
 
 
 @dataclass(frozen=True, slots=True)
