@@ -271,8 +271,8 @@ def _single_index(first: int, second: int, address: int) -> tuple[Index, bool]:
     if second & 0x800:
         pre, add, writeback = (bool(second >> bit & 1) for bit in (10, 9, 8))
         require(pre or writeback, _UNDEFINED)
-        user = pre and add and writeback
-        return Index(rn, ShifterOperand(Imm(second & 255)), add, pre, writeback and not user), user
+        user = pre and add and not writeback
+        return Index(rn, ShifterOperand(Imm(second & 255)), add, pre, writeback), user
     require(second & 0x7C0 == 0, _UNDEFINED)
     rm = second & 15
     _plain(rm)
