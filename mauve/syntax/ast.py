@@ -1,6 +1,7 @@
-"""The abstract syntax of MAUVE: what the user wrote, with a span on every node. Names are not resolved and units not checked here.
+"""The abstract syntax of MAUVE: what the user wrote, with a span on every node.
 
-Frozen dataclasses and tuples throughout. `doc` is the text of the `///` lines before a declaration, without the slashes.
+Names are not resolved and units not checked here. Frozen dataclasses and tuples throughout. `doc` is the text of the
+`///` lines before a declaration, without the slashes.
 """
 
 from __future__ import annotations
@@ -235,7 +236,10 @@ class MethodDecl:
 
 @dataclass(frozen=True, slots=True)
 class CodelDecl:
-    """`codel fuse reads position, attitude writes state returns bool wcet 2ms symbol "f"`; `init` codels run at start-up only."""
+    """`codel fuse reads position, attitude writes state returns bool wcet 2ms symbol "f"`.
+
+    `init` codels run at start-up only.
+    """
 
     name: Name
     reads: tuple[Name, ...]
@@ -251,7 +255,10 @@ class CodelDecl:
 # ------------------------------------------------------------------------------------------------ behaviour
 @dataclass(frozen=True, slots=True)
 class Step:
-    """One step: a codel `rotate`, or a call `send(command)`; `status = ...` binds its result. `arguments` is None for a codel."""
+    """One step: a codel `rotate`, or a call `send(command)`; `status = ...` binds its result.
+
+    `arguments` is None for a codel.
+    """
 
     target: Name
     arguments: tuple[Name, ...] | None
@@ -400,7 +407,10 @@ ComponentMember = PortDecl | PropertyDecl | VarDecl | EventDecl | OperationDecl 
 
 @dataclass(frozen=True, slots=True)
 class ComponentDecl:
-    """`component`, `passive component` or `external component`. More than one behaviour is reported, the first is kept."""
+    """`component`, `passive component` or `external component`.
+
+    More than one behaviour is reported, the first is kept.
+    """
 
     name: Name
     kind: ComponentKind
@@ -660,7 +670,10 @@ class ThreadDecl:
 
 @dataclass(frozen=True, slots=True)
 class ProcessDecl:
-    """`process control { ... }` in a node; at the top of an extending deployment its `name` is a path `node.process`."""
+    """`process control { ... }` in a node.
+
+    At the top of an extending deployment its `name` is a path `node.process`.
+    """
 
     name: Path
     threads: tuple[ThreadDecl, ...]

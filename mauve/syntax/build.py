@@ -8,6 +8,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any, TypeVar
 
 from mauve.diagnostics.diagnostic import Applicability, Diagnostic, Edit, Fix, Label, Report
@@ -166,7 +167,7 @@ def check_lines(context: Context, items: Sequence[Any], start: int, end: int) ->
         return
     reported = False
     head = items[0]
-    for before, item in zip(items, items[1:], strict=False):
+    for before, item in pairwise(items):
         if "\n" in text[before.span.start : item.span.start]:
             head, reported = item, False
         elif not reported:

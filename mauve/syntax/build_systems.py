@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 from typing import Any
 
 from mauve.diagnostics.diagnostic import Applicability, Diagnostic, Edit, Fix, Label
 from mauve.diagnostics.suggest import closest
+from mauve.source import Span
 from mauve.syntax import ast
 from mauve.syntax.build import Action, Clause, Context, all_of, check_lines, clause, first, has, only, take
+from mauve.syntax.quantities import UNITS
 from mauve.syntax.tokens import Token
 
 
@@ -81,10 +84,20 @@ def _execution_value(
 
 
 def missing_unit(context: Context, value: ast.Number, of: str) -> None:
-    """Report a time without a unit."""
-    fix = Fix(f"write the unit against the number: `{value.text}ms`", (Edit(value.span, value.text + "ms"),))
+    """Report a time without a unit, or with its unit apart."""
+    after = re.compile(r"[ \t]+([A-Za-z\u00b5]+)\b").match(context.file.text, value.span.end)
+    if after and any(after[1] in units for units in UNITS.values()):
+        context.report.add(unit_apart(context.span(value.span.start, after.end()), value.text, after[1]))
+        return
+    fix = Fix(f"write the unit against the number, as in `{value.text}ms`")
     message = f"the {of} `{value.text}` has no unit"
     context.report.add(Diagnostic("MV004", message, Label(value.span, "of what?"), help=fix))
+
+
+def unit_apart(span: Span, number: str, unit: str) -> Diagnostic:
+    """White space between a number and its unit."""
+    fix = Fix(f"write `{number}{unit}`", (Edit(span, number + unit),), Applicability.MACHINE)
+    return Diagnostic("MV001", "a unit stands against its number", Label(span), help=fix)
 
 
 def _assignment(context: Context, children: list[Any], start: int, end: int) -> ast.Assignment:

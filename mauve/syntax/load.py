@@ -1,7 +1,8 @@
 """Files to modules: reading bytes, following imports, finding the standard library.
 
-`import a.b` is the file a/b.mauve below the root, the directory that holds the checked file's package: that of the file
-itself for `package a` in any file, two levels up for `package a.b` in a/b.mauve. `import std.x` is the standard library.
+`import a.b` is the file a/b.mauve below the root: the directory above those that the checked file's package names, as
+far as the file lies in such ones (two levels up for `package a.b` in a/b.mauve), else the file's own. `import std.x` is
+the standard library.
 """
 
 from __future__ import annotations
@@ -24,7 +25,10 @@ MOST_CANDIDATES = 1000
 
 
 def read_source(path: Path, report: Report, imported: Span | None = None) -> SourceFile | None:
-    """The text of a file; None after reporting why it cannot be read (MV002, MV008). `imported` is where it is named."""
+    """The text of a file; None after reporting why it cannot be read (MV002, MV008).
+
+    `imported` is where the model names the file.
+    """
     name = str(path)
     primary = Label(imported, "imported here") if imported else None
     try:
@@ -72,7 +76,10 @@ def _decode(name: str, data: bytes, report: Report) -> SourceFile | None:
 
 
 def load_modules(path: Path, report: Report) -> tuple[ast.Module, ...]:
-    """The module in a file and all it imports, directly or not, each once, the given one first; empty where unreadable."""
+    """The module in a file and all it imports, directly or not, each once, the given one first.
+
+    Empty where the file itself cannot be read. A missing import is MV104, a cycle of imports MV105.
+    """
     file = read_source(path, report)
     if file is None:
         return ()
@@ -222,6 +229,8 @@ class _Loader:
         labels = tuple(
             Label(step.import_.span, f"`{step.importer}` imports `{step.import_.path}` here") for step in steps
         )
-        message = f"these modules import each other: {walk}" if len(steps) > 1 else f"`{steps[0].importer}` imports itself"
+        message = f"these modules import each other: {walk}"
+        if len(steps) == 1:
+            message = f"`{steps[0].importer}` imports itself"
         help_ = Fix("move what both need into a module that imports neither")
         self.report.add(Diagnostic("MV105", message, labels[0], labels=labels[1:], help=help_))

@@ -11,14 +11,14 @@ from typing import Any
 from mauve.diagnostics.diagnostic import Report
 from mauve.source import SourceFile
 from mauve.syntax import ast
-from mauve.syntax.build import LEAVES, Context
 from mauve.syntax.actions import ACTIONS
+from mauve.syntax.build import LEAVES, Context
 from mauve.syntax.table import Table, load_table
 from mauve.syntax.tokens import Scan, Token
 
 RESERVED = frozenset(
-    ("then", "when", "on", "after", "do", "emit", "every", "once")
-    + ("reads", "writes", "returns", "wcet", "symbol", "not", "and", "or")
+    {"then", "when", "on", "after", "do", "emit", "every", "once"}
+    | {"reads", "writes", "returns", "wcet", "symbol", "not", "and", "or"}
 )
 """Words that join the parts of a declaration; they are never names."""
 

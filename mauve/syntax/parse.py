@@ -31,7 +31,10 @@ def parse(file: SourceFile, report: Report) -> ast.Module:
 
 
 def _version(file: SourceFile, tokens: list[Token], report: Report) -> int | None:
-    """The version that the first line states, None where it states none. Reports what is wrong with it, and mends it."""
+    """The version that the first line states, None where it states none.
+
+    What is wrong with it is reported, and mended in the tokens.
+    """
     first = tokens[0]
     if not (first.kind == "NAME" and first.text == "mauve"):
         empty = "the file is empty" if first.start == first.end else "the file does not begin with its language version"

@@ -1,4 +1,4 @@
-"""The parse table of the grammar: Lark builds it (LALR(1), see mauve.lark), a file in the user's cache directory keeps it.
+"""The parse table of the grammar: Lark builds it (LALR(1), see mauve.lark), a file of the user's cache keeps it.
 
 Building takes a quarter of a second and loading the file a few milliseconds, without importing Lark. The file is plain
 JSON and holds the grammar it was built from: a table of another grammar, or a damaged one, is built anew.
@@ -167,8 +167,9 @@ def _terminals(terminals: list[dict[str, Any]], used: set[str]) -> dict[str, Any
     fixed = {t["pattern"]["value"]: t["name"] for t in terminals if t["pattern"]["__type__"] == "PatternStr"}
     regular = [t for t in terminals if t["pattern"]["__type__"] == "PatternRE" and t["name"] in used]
     regular.sort(key=lambda t: -t["priority"])
+    marks = sorted((text for text in fixed if not re.fullmatch(r"\w+", text)), key=lambda text: (-len(text), text))
     return {
         "patterns": [[t["name"], t["pattern"]["value"]] for t in regular],
         "words": {text: name for text, name in fixed.items() if re.fullmatch(r"\w+", text)},
-        "marks": dict(sorted(((x, n) for x, n in fixed.items() if not re.fullmatch(r"\w+", x)), key=lambda p: -len(p[0]))),
+        "marks": {text: fixed[text] for text in marks},
     }

@@ -120,7 +120,7 @@ def _mend(file: SourceFile, token: Token, report: Report) -> Token | None:
         case "LAST":
             return None
         case "BLOCK_COMMENT":
-            report.add(syntax("comments begin with `//` and end with the line", span, help_text="write `//` before each line"))
+            report.add(syntax("comments begin with `//` and end with the line", span, "write `//` before each line"))
             return None
         case "OPEN_STRING":
             return _open_string(file, token, report)
@@ -151,11 +151,12 @@ def _open_string(file: SourceFile, token: Token, report: Report) -> Token:
     return Token("STRING", f'{content}"', token.start, end)
 
 
-def syntax(message: str, span: Span, label: str = "", help_text: str = "") -> Diagnostic:
-    """A syntax error without a fix."""
-    return Diagnostic("MV001", message, Label(span, label), help=Fix(help_text) if help_text else None)
+def syntax(message: str, span: Span, advice: str = "") -> Diagnostic:
+    """A syntax error with advice in words."""
+    return Diagnostic("MV001", message, Label(span), help=Fix(advice) if advice else None)
 
 
 def too_deep(span: Span) -> Diagnostic:
     """Brackets nested too deeply."""
-    return Diagnostic("MV008", f"brackets are nested more than {DEEPEST} deep", Label(span, "the rest of the file is not read"))
+    label = Label(span, "the rest of the file is not read")
+    return Diagnostic("MV008", f"brackets are nested more than {DEEPEST} deep", label)
