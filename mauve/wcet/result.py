@@ -17,8 +17,9 @@ class Origin(Enum):
 
 @dataclass(frozen=True, slots=True)
 class LoopResult:
-    """A loop in one function: `bound` counts executions of the header per entry of the loop (None: not bounded); `total` the
-    executions of the header per execution of the function where a total tighter than bound x entries is known."""
+    """A loop in one function: `bound` counts executions of the header per entry of the loop (None: not bounded);
+    `total` the executions of the header per execution of the function where a total tighter than bound x entries is
+    known."""
 
     header: int
     function: str
@@ -34,9 +35,9 @@ class LoopResult:
 
 @dataclass(frozen=True, slots=True)
 class BlockResult:
-    """A block of the worst path: executions per execution of the analysed function, cycles of its dearest execution there,
-    and cycles of all of them (`total`; a block left by different edges costs differently). Callees are not in it: the
-    totals of all blocks, and the wait states of the return, add up to the bound."""
+    """A block of the worst path: executions per execution of the analysed function, cycles of its dearest execution
+    there, and cycles of all of them (`total`; a block left by different edges costs differently). Callees are not in
+    it: the totals of all blocks, and the wait states of the return, add up to the bound."""
 
     address: int
     size: int
@@ -74,8 +75,8 @@ class ProblemKind(Enum):
 
 @dataclass(frozen=True, slots=True)
 class Problem:
-    """One located reason. `source` is `file.c:41` where line information exists; `function` the one that holds `address`;
-    `call_path` the functions from the analysed one down to it."""
+    """One located reason. `source` is `file.c:41` where line information exists; `function` the one that holds
+    `address`; `call_path` the functions from the analysed one down to it."""
 
     kind: ProblemKind
     message: str
@@ -102,8 +103,8 @@ class CallResult:
 class WcetResult:
     """The bound of one function on one board. `cycles` is None exactly when `problems` is not empty.
 
-    `time` is in picoseconds, rounded up once; `stack` in bytes (None when unknown). `assumptions` lists everything the bound
-    rests on, in sentences.
+    `time` is in picoseconds, rounded up once; `stack` in bytes (None when unknown). `assumptions` lists everything the
+    bound rests on, in sentences.
     """
 
     name: str

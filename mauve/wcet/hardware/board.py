@@ -26,8 +26,7 @@ class Memory:
 @dataclass(frozen=True, slots=True)
 class Board:
     """`features` are hardware mechanisms the board has switched on, in words (`icache 16KiB 4-way`, `mmu`): those that
-    no model
-    covers are a problem of every bound. A board without memories has zero wait states everywhere."""
+    no model covers are a problem of every bound. A board without memories has zero wait states everywhere."""
 
     name: str
     core: str

@@ -47,8 +47,7 @@ class Timing:
 
     `bus` model: fetches and data accesses, sequential and not, and internal cycles. `pipeline` model: `cycles`, the
     instruction `fetches` it can cause, and for its results `delay` (cycles after the instruction before they can be
-    read),
-    `late_delay` (before they can be read as store data or accumulator), `last_only`: only the last one is late.
+    read), `late_delay` (before they can be read as store data or accumulator), `last_only`: only the last one is late.
     """
 
     source: str
@@ -68,8 +67,7 @@ class Timing:
 @dataclass(frozen=True, slots=True)
 class Core:
     """A core. `multiplier` is the safe m of its multiplies. `compositional` says whether delays of different causes may
-    be
-    added (with the reason): a core without it gets no wait states and no additive preemption cost."""
+    be added (with the reason): a core without it gets no wait states and no additive preemption cost."""
 
     name: str
     title: str

@@ -159,8 +159,7 @@ def _run(
     piece: tuple[Step, ...], held: frozenset[Condition], pending: Pending, fails_last: bool
 ) -> tuple[int, Pending]:
     """Cycles of a piece and the delays after it, when exactly the conditions in `held` hold. A branch without a
-    condition
-    field that is not taken (compare and branch) is told by `fails_last`."""
+    condition field that is not taken (compare and branch) is told by `fails_last`."""
     total = 0
     pending = dict(pending)
     for index, step in enumerate(piece):

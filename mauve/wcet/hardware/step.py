@@ -99,8 +99,7 @@ def make_step(instruction: Instruction, core: Core, memory: MemoryMap, accesses:
 
 def _bus_cycles(timing: Timing, core: Core, transfers: int, transfers_control: bool) -> tuple[int, int]:
     """Cycles without wait states, and the fetches at the instruction itself, of a core with one bus: S, N and I cycles
-    are
-    a cycle each; waits come on top of fetches and data accesses."""
+    are a cycle each; waits come on top of fetches and data accesses."""
     fetches = timing.fetch_s.at(transfers, core.multiplier) + timing.fetch_n.at(transfers, core.multiplier)
     data = timing.data_s.at(transfers, core.multiplier) + timing.data_n.at(transfers, core.multiplier)
     internal = timing.internal.at(transfers, core.multiplier)
@@ -109,8 +108,7 @@ def _bus_cycles(timing: Timing, core: Core, transfers: int, transfers_control: b
 
 def _pipeline_cycles(timing: Timing, core: Core, transfers: int, transfers_control: bool) -> tuple[int, int]:
     """Cycles without wait states, and instruction fetches, of a pipelined core. The fetches thrown away by a transfer
-    of
-    control lie behind the instruction; those of its target belong to the instructions there."""
+    of control lie behind the instruction; those of its target belong to the instructions there."""
     del transfers_control
     return timing.cycles.at(transfers, core.multiplier), timing.fetches.at(transfers, core.multiplier)
 

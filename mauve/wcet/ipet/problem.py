@@ -17,8 +17,8 @@ from mauve.wcet.binary.loops import LoopNest
 @dataclass(frozen=True, slots=True)
 class PathProblem:
     """`edges[i]` is (source, target) and costs `costs[i]` cycles each time it is passed. `bounds` maps the index of a
-    loop
-    to the executions of its header per entry (at least 1), `totals` to its executions per execution of the whole."""
+    loop to the executions of its header per entry (at least 1), `totals` to its executions per execution of the
+    whole."""
 
     blocks: int
     entry: int
@@ -45,8 +45,7 @@ class PathSolution:
     """A bound in cycles and a worst path as executions of every edge.
 
     `attained` says that the counts are a solution whose cost is the bound: no greater one exists and none smaller would
-    be
-    a bound. Otherwise the counts belong to the most expensive path found, and the bound may lie above its cost.
+    be a bound. Otherwise the counts belong to the most expensive path found, and the bound may lie above its cost.
     """
 
     cycles: int

@@ -1,0 +1,144 @@
+"""The entry of the WCET library: an executable, functions, a board and flow facts give bounds or the reasons for none.
+
+The stages are imported when they are needed: a result that the cache holds costs neither a disassembler nor a solver.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from hashlib import sha256
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from mauve.wcet.cache import Cache, result_key
+from mauve.wcet.flow.facts import Fact
+from mauve.wcet.hardware.board import Board
+from mauve.wcet.result import Problem, ProblemKind, WcetResult
+
+if TYPE_CHECKING:
+    from mauve.wcet.binary.elf import Binary, ElfProblem
+
+
+def analyse(
+    binary: Binary | str | Path,
+    functions: Sequence[str | int],
+    board: Board,
+    facts: Sequence[Fact] = (),
+    *,
+    initial_data: bool = False,
+    timeout: float | None = None,
+    cache: Cache | None = None,
+) -> tuple[WcetResult, ...]:
+    """The bound of every function, in the order given; a function is a symbol or an address (bit 0 set for Thumb).
+
+    `facts` are flow facts; `initial_data` starts the analysis from the linked data instead of unknown globals;
+    `timeout`
+    bounds the seconds spent on one function, which has no bound then. An executable that cannot be read, an unknown
+    symbol, a loop without a bound: each is a problem in the results concerned, never an exception.
+    """
+    return tuple(analyse_each(binary, functions, board, facts, initial_data, timeout, cache))
+
+
+def analyse_each(
+    binary: Binary | str | Path,
+    functions: Sequence[str | int],
+    board: Board,
+    facts: Sequence[Fact],
+    initial_data: bool,
+    timeout: float | None,
+    cache: Cache | None,
+) -> Iterator[WcetResult]:
+    """`analyse`, one result at a time as they come."""
+    data, identity = _bytes(binary)
+    loaded: Binary | Problem | None = None
+    for function in functions:
+        key = None
+        if cache is not None and identity is not None:
+            key = result_key(identity, function, board, tuple(facts), initial_data)
+            known = cache.get(key)
+            if known is not None:
+                yield known
+                continue
+        started = time.perf_counter()
+        if loaded is None:
+            loaded = _load(binary, data)
+        if isinstance(loaded, Problem):
+            result = _failed(function, None, loaded)
+        else:
+            result = _analyse_one(loaded, function, board, tuple(facts), initial_data, timeout)
+        result = replace(result, seconds=time.perf_counter() - started)
+        # Time or size ended it: another run may come further.
+        gave_up = any(problem.kind is ProblemKind.LIMIT for problem in result.problems)
+        if cache is not None and key is not None and not gave_up:
+            cache.put(key, result)
+        yield result
+
+
+def _analyse_one(
+    binary: Binary,
+    function: str | int,
+    board: Board,
+    facts: tuple[Fact, ...],
+    initial_data: bool,
+    timeout: float | None,
+) -> WcetResult:
+    """One function, from its symbol to its result."""
+    from mauve.wcet.assemble import assemble
+    from mauve.wcet.binary.elf import ElfProblem
+    from mauve.wcet.flow.program import analyse_program
+    from mauve.wcet.hardware.core import load_core
+    from mauve.wcet.hardware.cost import board_problems
+    from mauve.wcet.ipet.bottom_up import bound_program
+
+    symbol = binary.function(function if isinstance(function, str) else f"{function:#x}")
+    if isinstance(symbol, ElfProblem):
+        return _failed(function, None, _elf_problem(symbol))
+    core = load_core(board.core)
+    problems = board_problems(board, core)
+    if core is None:
+        return _failed(function, symbol.address, *problems)
+    program = analyse_program(binary, symbol.key, board, facts, initial_data=initial_data, timeout=timeout)
+    bounds = bound_program(program, core, board)
+    return assemble(symbol.name, program, bounds, core, board, problems, _lines(binary))
+
+
+def _bytes(binary: Binary | str | Path) -> tuple[bytes | None, str | None]:
+    """The bytes of the executable where it is a path, and the hash of its content without parsing it."""
+    if not isinstance(binary, (str, Path)):
+        return None, binary.sha256
+    try:
+        data = Path(binary).read_bytes()
+    except OSError:
+        return None, None
+    return data, sha256(data).hexdigest()
+
+
+def _load(binary: Binary | str | Path, data: bytes | None) -> Binary | Problem:
+    from mauve.wcet.binary.elf import ElfProblem, load, load_bytes
+
+    if not isinstance(binary, (str, Path)):
+        return binary
+    found = load(binary) if data is None else load_bytes(data, str(binary))
+    return _elf_problem(found) if isinstance(found, ElfProblem) else found
+
+
+def _elf_problem(problem: ElfProblem) -> Problem:
+    """What is wrong with an executable or a symbol, as a reason for having no bound."""
+    from mauve.wcet.binary.elf import ElfProblemKind
+
+    kinds = {
+        ElfProblemKind.NOT_ARM: ProblemKind.NOT_ARM,
+        ElfProblemKind.BIG_ENDIAN: ProblemKind.NOT_ARM,
+        ElfProblemKind.SIXTY_FOUR_BIT: ProblemKind.NOT_ARM,
+        ElfProblemKind.NOT_FOUND: ProblemKind.SYMBOL,
+        ElfProblemKind.AMBIGUOUS: ProblemKind.SYMBOL,
+        ElfProblemKind.NOT_A_FUNCTION: ProblemKind.NOT_A_FUNCTION,
+    }
+    return Problem(kinds.get(problem.kind, ProblemKind.BINARY), problem.message)
+
+
+def _failed(function: str | int, address: int | None, *problems: Problem) -> WcetResult:
+    name = function if isinstance(function, str) else f"{function:#x}"
+    return WcetResult(name, address, None, None, problems=problems)
