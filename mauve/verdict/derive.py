@@ -64,9 +64,9 @@ def derive(deployment: Deployment, plans: tuple[CodelPlan, ...], use_cache: bool
 def _open_cache(use_cache: bool) -> Cache | None:
     if not use_cache:
         return None
-    from mauve.wcet.cache import Cache, default_path
+    from mauve.wcet.cache import Cache
 
-    return Cache(default_path())
+    return Cache()
 
 
 def _readable(binary: Binary, report: Report) -> bool:
@@ -106,6 +106,8 @@ def _analyse(
 
 def _fact_files(binary: Binary, report: Report) -> tuple[Fact, ...]:
     """The flow facts of OTAWA files, their errors reported at the place in the .ff file."""
+    if not binary.fact_files:
+        return ()
     from mauve.wcet.flow.otawa import parse_facts
 
     facts: list[Fact] = []
