@@ -11,11 +11,14 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from enum import Enum
 
-from mauve.timing.level import Budget, float_load, job_finishes, load_compared_to_one, repetition
+from mauve.timing.level import Budget, finish, float_load, job_finishes, load_compared_to_one, repetition
 from mauve.timing.psm import PsmTransition, map_costs
-from mauve.timing.response import STEPS, Analysis, Method, analyse, interference_on
-from mauve.timing.task import Kind, Task, Workload
+from mauve.timing.response import STEPS, Analysis, Method, interference_on
+from mauve.timing.task import Task, Workload
 from mauve.timing.traces import ConstantCurve, Curve, FramesCurve, PsmCurve, TableCurve
+
+MOMENTS = 5_000
+"""Releases in the window of a miss that are looked at to rule out contributors without an analysis."""
 
 
 class What(Enum):
@@ -46,27 +49,70 @@ class Shrink:
 def shrink_to_fit(analysis: Analysis, name: str, steps: int = STEPS) -> tuple[Shrink, ...]:
     """For each contributor to the response of task `name`, the greatest cost with which its deadline holds.
 
-    Empty where the deadline holds already. Order: workloads by urgency, then codels, overhead, blocking.
+    Empty where the deadline holds already. Order: the task's own work, that of others by urgency, codels, overhead,
+    blocking.
     """
     task = analysis.task(name)
     if analysis.result(name).schedulable:
         return ()
     tasks = [task, *interference_on(task, analysis.tasks).tasks]
+    miss = _miss(task, tasks, analysis.method, steps)
     found = []
-    for what, label, owner, now, change in _candidates(tasks, task):
+    for one in _candidates(tasks, task, miss):
 
-        def holds(cost: int, change: Callable[[Task, int], Task] = change) -> bool:
-            return _meets([change(one, cost) for one in tasks], name, analysis.method, steps)
+        def holds(cost: int, one: _Candidate = one) -> bool:
+            changed = [one.change(each, cost) if each.name in one.touched else each for each in tasks]
+            return _meets(changed, name, analysis.method, steps)
 
-        found.append(Shrink(what, label, owner, now, _greatest(holds, now)))
+        at_most = _greatest(holds, one, miss.gap)
+        found.append(Shrink(one.what, one.name, one.task, one.now, at_most))
     return tuple(found)
 
 
-def _greatest(holds: Callable[[int], bool], now: int) -> int | None:
-    """The greatest x in 0 .. now - 1 that holds, of a property that holds up to some x; None where 0 does not."""
-    if not holds(0):
+@dataclass(frozen=True, slots=True)
+class _Miss:
+    """The first late job, the window to its deadline, and the least excess of work over time at any moment in it.
+
+    Unless the work released in some [0, x) of the window falls by at least `gap`, the job stays late.
+    """
+
+    job: int
+    window: int
+    gap: int
+
+
+@dataclass(frozen=True, slots=True)
+class _Candidate:
+    """A contributor, how to cap it in the `touched` tasks, and how often it is charged in the window of the miss.
+
+    `saving` bounds what the window loses when it costs nothing; a cap x saves (now - x) at each of `charges`.
+    """
+
+    what: What
+    name: str
+    task: str
+    now: int
+    touched: frozenset[str]
+    change: Callable[[Task, int], Task]
+    saving: int
+    charges: int
+
+
+def _greatest(holds: Callable[[int], bool], one: _Candidate, gap: int) -> int | None:
+    """The greatest cap in 0 .. now - 1 that holds, of a property that holds up to some cap; None where 0 does not."""
+    if one.saving < gap:
         return None
-    low, high = 0, now
+    low, high = -1, one.now
+    # With a constant cost this guess is the answer; it only shortens the search, so both sides are probed.
+    guess = one.now - -(-gap // max(1, one.charges))
+    for probe in (0, guess, guess + 1):
+        if low < probe < high:
+            if holds(probe):
+                low = probe
+            else:
+                high = probe
+    if low < 0:
+        return None
     while high - low > 1:
         middle = (low + high) // 2
         if holds(middle):
@@ -76,12 +122,37 @@ def _greatest(holds: Callable[[int], bool], now: int) -> int | None:
     return low
 
 
+def _miss(task: Task, tasks: Sequence[Task], method: Method, steps: int) -> _Miss:
+    """What the first late job lacks; a gap of 0 (nothing known) where none is found or the window is long."""
+    others = interference_on(task, tasks)
+    late = 1
+    if method is not Method.PAPER:
+        late = job_finishes(task, others, Budget(steps), until_late=True).late
+    window = task.deadline + (late - 1) * task.period - task.jitter
+    moments = _moments(others.tasks, window)
+    if late == 0 or window <= 0 or moments is None:
+        return _Miss(max(1, late), max(0, window), 0)
+    base = task.blocking + task.demand(late)
+    # Between releases the excess only falls, so its least values are where one is just due, and at the end.
+    return _Miss(late, window, min(base + others.demand(at) - at for at in {window, *moments}))
+
+
+def _moments(tasks: Sequence[Task], window: int) -> list[int] | None:
+    """The releases within the window; None for too many."""
+    series = [(part.period or one.period, one.jitter) for one in tasks for part in one.work]
+    series += [(one.period, one.jitter) for one in tasks if one.overhead]
+    if sum((window + jitter) // period for period, jitter in series) > MOMENTS:
+        return None
+    return [at for period, jitter in series for at in range(period - jitter % period, window, period)]
+
+
 def _meets(tasks: Sequence[Task], name: str, method: Method, steps: int) -> bool:
     """Whether the deadline of one task is proven to hold."""
-    if method is Method.PAPER:
-        return analyse(tasks, method, steps).result(name).schedulable
     task = next(one for one in tasks if one.name == name)
     others = interference_on(task, tasks)
+    if method is Method.PAPER:
+        end = finish(others, task.demand(1), 0, Budget(steps), task.deadline)
+        return end is not None and end <= task.deadline
     level = load_compared_to_one(tasks, others.load + float_load(task))
     if level > 0:
         return False
@@ -89,35 +160,68 @@ def _meets(tasks: Sequence[Task], name: str, method: Method, steps: int) -> bool
     return job_finishes(task, others, Budget(steps), repeat=repeat, until_late=True).closed
 
 
-Candidate = tuple[What, str, str, int, Callable[[Task, int], Task]]
+def _candidates(tasks: Sequence[Task], missed: Task, miss: _Miss) -> list[_Candidate]:
+    def count(owner: Task, period: int) -> int:
+        if owner.name == missed.name:
+            return -(-miss.job * owner.period // period)
+        return -(-(miss.window + owner.jitter) // period)
 
-
-def _candidates(tasks: Sequence[Task], missed: Task) -> list[Candidate]:
-    found: list[Candidate] = []
+    found: list[_Candidate] = []
     for owner in sorted(tasks, key=lambda one: (one.name != missed.name, -one.priority, one.name)):
         for place, part in enumerate(owner.work):
             if (now := part.curve.total(1)) > 0:
-                found.append((What.WORK, part.name, owner.name, now, _cap_work(owner.name, place)))
-    for label, now in _codels(tasks).items():
-        found.append((What.CODEL, label, "", now, _cap_codel(label)))
+                jobs = count(owner, part.period or owner.period)
+                touched = frozenset((owner.name,))
+                change = _cap_work(owner.name, place)
+                saving = part.curve.total(jobs)
+                found.append(_Candidate(What.WORK, part.name, owner.name, now, touched, change, saving, jobs))
+    for label, uses in _codels(tasks).items():
+        now = max(use.dearest for use in uses)
+        touched = frozenset(use.task.name for use in uses)
+        charges = sum(count(use.task, use.period) * use.times for use in uses)
+        if now > 0:
+            change = _cap_codel(label)
+            found.append(_Candidate(What.CODEL, label, "", now, touched, change, charges * now, charges))
+    every = frozenset(one.name for one in tasks)
+    charges = sum(count(one, one.period) for one in tasks if one.overhead)
     if (now := max(one.overhead for one in tasks)) > 0:
-        found.append((What.OVERHEAD, "context switches", "", now, _cap_overhead))
-    if missed.blocking > 0:
-        found.append((What.BLOCKING, "blocking", missed.name, missed.blocking, _cap_blocking(missed.name)))
+        name = "context switches"
+        found.append(_Candidate(What.OVERHEAD, name, "", now, every, _cap_overhead, charges * now, charges))
+    if (now := missed.blocking) > 0:
+        change = _cap_blocking(missed.name)
+        touched = frozenset((missed.name,))
+        found.append(_Candidate(What.BLOCKING, "blocking", missed.name, now, touched, change, now, 1))
     return found
 
 
-def _codels(tasks: Sequence[Task]) -> dict[str, int]:
-    """The greatest cost of each part label in the machines of these tasks."""
-    labels: dict[str, int] = {}
+@dataclass(frozen=True, slots=True)
+class _Use:
+    """A part label in one machine: its greatest cost, and how often at most it occurs in one transition."""
+
+    task: Task
+    period: int
+    dearest: int
+    times: int
+
+
+def _codels(tasks: Sequence[Task]) -> dict[str, list[_Use]]:
+    """The machines of these tasks that use each part label."""
+    uses: dict[str, list[_Use]] = {}
     for task in tasks:
         for part in task.work:
-            if isinstance(part.curve, PsmCurve) and task.kind is Kind.TASK:
-                for transition in part.curve.psm.transitions:
-                    for one in (transition, *transition.alternatives):
-                        for item in one.parts:
-                            labels[item.label] = max(item.cost, labels.get(item.label, 0))
-    return {label: cost for label, cost in labels.items() if cost > 0}
+            if not isinstance(part.curve, PsmCurve):
+                continue
+            dearest: dict[str, int] = {}
+            times: dict[str, int] = {}
+            for transition in part.curve.psm.transitions:
+                for one in (transition, *transition.alternatives):
+                    labels = [item.label for item in one.parts]
+                    for item in one.parts:
+                        dearest[item.label] = max(item.cost, dearest.get(item.label, 0))
+                        times[item.label] = max(labels.count(item.label), times.get(item.label, 0))
+            for label, cost in dearest.items():
+                uses.setdefault(label, []).append(_Use(task, part.period or task.period, cost, times[label]))
+    return uses
 
 
 def _cap_work(owner: str, place: int) -> Callable[[Task, int], Task]:

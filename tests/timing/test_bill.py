@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from hypothesis import given, settings
 
-from mauve.timing.bill import Bill, deadline_bill, first_finish, worst_bill
+from mauve.timing.bill import SHOWN_JOBS, Bill, deadline_bill, first_finish, worst_bill
 from mauve.timing.psm import CostPart, Psm, PsmTransition, make_psm
 from mauve.timing.response import Method, Reason, analyse
 from mauve.timing.shrink import What, capped, shrink_to_fit
@@ -162,7 +162,7 @@ def check(bill: Bill) -> None:
     for line in (bill.own, *bill.others):
         assert line.cost == line.overhead + sum(work.cost for work in line.work)
         for work in line.work:
-            assert sum(work.trace) == work.cost
+            assert sum(work.trace) == (work.cost if work.jobs <= SHOWN_JOBS else 0)
             assert not work.run or sum(t.cost for t in work.run) == work.cost
 
 
@@ -202,6 +202,21 @@ def test_what_shrink_promises_holds_and_one_more_does_not(tasks: list[Task]) -> 
                 )
                 changed = [with_work(t, work) if t.name == one.task else t for t in tasks]
                 assert analyse(changed).result(result.task).schedulable is expected
+
+
+@settings(max_examples=40, deadline=None)
+@given(tasks=systems(size=3))
+def test_contributors_ruled_out_without_an_analysis_would_not_fit_at_no_cost(tasks: list[Task]) -> None:
+    found = analyse(tasks)
+    for result in found.results:
+        for one in shrink_to_fit(found, result.task):
+            if one.what is What.OVERHEAD and one.at_most is None:
+                free = [with_overhead(task, 0) for task in tasks]
+                assert not analyse(free).result(result.task).schedulable
+
+
+def with_overhead(task: Task, overhead: int) -> Task:
+    return Task(**{**{name: getattr(task, name) for name in Task.__dataclass_fields__}, "overhead": overhead})
 
 
 def with_work(task: Task, work: tuple[object, ...]) -> Task:
