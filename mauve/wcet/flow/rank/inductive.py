@@ -1,11 +1,11 @@
-"""Intervals that hold at the header of a loop in every iteration, found by abstract execution of its passes with widening."""
+"""Intervals that hold at a loop's header in every iteration, by abstract execution of its passes with widening."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 
 from mauve.wcet.binary.loops import Loop
-from mauve.wcet.flow.locations import HALF, WORD, Interval, Location
+from mauve.wcet.flow.locations import ANY, HALF, WORD, Interval, Location
 from mauve.wcet.flow.rank.iterate import MOST_MEASURES, Engine
 from mauve.wcet.flow.rank.measures import contains, hull
 from mauve.wcet.flow.rank.paths import Program, State, summarise_loop
@@ -38,7 +38,9 @@ def inductive_of(problem: Problem) -> Mapping[Location, Interval]:
         grown = _round(engine, entry, current)
         if all(_inside(g, c) for g, c in zip(grown, current, strict=True)):
             break
-        current = grown if round_number < _EXACT_ROUNDS else [_widen(c, g) for c, g in zip(current, grown, strict=True)]
+        if round_number >= _EXACT_ROUNDS:
+            grown = [_widen(c, g) for c, g in zip(current, grown, strict=True)]
+        current = grown
     else:
         return {}
     for _ in range(2):
@@ -72,20 +74,10 @@ def _widen(old: Interval, new: Interval) -> Interval:
     if both.low == old.low and both.high == old.high:
         return old
     low, high = both.low, both.high
-    if low == old.low:
-        return (
-            Interval(low, HALF - 1)
-            if high < HALF
-            else Interval(low, WORD - 1)
-            if high < WORD
-            else Interval(0, WORD - 1)
-        )
-    if high == old.high:
-        return (
-            Interval(0, high)
-            if low >= 0 and high < WORD
-            else Interval(-HALF, high)
-            if high < HALF
-            else Interval(0, WORD - 1)
-        )
-    return Interval(0, WORD - 1)
+    if low == old.low and high < WORD:
+        return Interval(low, HALF - 1 if high < HALF else WORD - 1)
+    if high == old.high and low >= 0 and high < WORD:
+        return Interval(0, high)
+    if high == old.high and high < HALF:
+        return Interval(-HALF, high)
+    return ANY

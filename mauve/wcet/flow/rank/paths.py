@@ -195,8 +195,8 @@ def _walk(
 ) -> Iterable[tuple[int, State]]:
     """Follow the edges inside `blocks` from `start` without back edges; yields those not followed, with their states.
 
-    `headers` collects the states in which loops are entered, also one at `start`. Without it the blocks are the body of a
-    loop at `start`, whose passes are followed.
+    `headers` collects the states in which loops are entered, also one at `start`. Without it the blocks are the body of
+    a loop at `start`, whose passes are followed.
     """
     pending: dict[int, list[State]] = {start: [state]}
     loops = {loop.header: loop for loop in program.nest.loops}
