@@ -28,6 +28,9 @@ from mauve.timing.traces import ConstantCurve
 STEPS = 100_000
 """Evaluations of the fixed point's right-hand side allowed per task before its response is given up as unknown."""
 
+UNPROVEN_STEPS = 10_000
+"""The same at a load of 1 where nothing is proven to repeat, and only a busy period that ends gives an answer."""
+
 
 class Method(Enum):
     """How the work of interfering machines is bounded."""
@@ -200,6 +203,8 @@ def _respond(
     if level > 0:
         return _overload(task, others, method), None
     repeat = repetition([*others.tasks, task]) if level == 0 else None
+    if level == 0 and repeat is None:
+        budget.steps = min(budget.steps, UNPROVEN_STEPS)
     jobs = job_finishes(task, others, budget, warm, repeat)
     finishes = jobs.finishes
     first = finishes[0] if finishes else None

@@ -137,13 +137,13 @@ def test_the_cycle_mean_ignores_what_cannot_be_reached() -> None:
     assert max_cycle_mean(psm_of(("a", 7, "b"))) == 0
 
 
-@settings(max_examples=300, deadline=None)
+@settings(max_examples=150, deadline=None)
 @given(psms())
 def test_the_cycle_mean_is_the_greatest_over_all_simple_cycles(psm: Psm) -> None:
     assert max_cycle_mean(psm) == brute_force_cycle_mean(psm)
 
 
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=100, deadline=None)
 @given(psms())
 def test_components_partition_the_reachable_states_in_topological_order(psm: Psm) -> None:
     found = shape(psm)

@@ -38,13 +38,13 @@ def enumerate_runs(psm: Psm, length: int) -> int:
     return max(longest(state, length) for state in range(len(edges)))
 
 
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=100, deadline=None)
 @given(psms(max_states=4), st.integers(0, 6))
 def test_the_curve_equals_the_enumeration_of_all_runs(psm: Psm, length: int) -> None:
     assert workload_curve(psm, length)[length] == enumerate_runs(psm, length)
 
 
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=100, deadline=None)
 @given(psms(), st.integers(0, 12))
 def test_the_witness_is_a_run_and_attains_the_curve(psm: Psm, length: int) -> None:
     run = witness_run(psm, length)
