@@ -141,7 +141,9 @@ def _immediate_space(word: int, address: int) -> Action:
 
 
 def _status_immediate(word: int) -> Action:
+    require(word >> 12 & 15 == 15, "is an unknown form of msr")
     if word & 1 << 22 == 0 and word >> 16 & 15 == 0:
+        require(word >> 8 & 15 == 0, "is an unknown hint")
         return hint(word & 255)
     return write_status(word >> 16 & 15, bool(word & 1 << 22), ())
 
@@ -180,6 +182,7 @@ def _miscellaneous(word: int, address: int) -> Action:
             require(word & 0xFFF00 == 0xFFF00 and rm != PC, "is an unknown form of blx")
             return link_to_register(rm, address + 4)
         case 5:
+            require(rs == 0, "is an unknown form of a saturating addition")
             return opaque_result(Kind.SATURATING, (rd,), (rm, rn))
         case 7 if op == 1:
             return Action((), Traits(Kind.HINT), Stop())
@@ -203,10 +206,12 @@ def _half_multiplies(op: int, x: int, y: int, rd: int, ra: int, rm: int, rs: int
         case 0:
             return arithmetic.half_multiply(rd, rm, rs, x, y, ra)
         case 1:
+            require(not x or ra == 0, "has a register where zero should be")
             return arithmetic.word_half_multiply(rd, rm, rs, y, None if x else ra)
         case 2:
             return arithmetic.half_long_accumulate(ra, rd, rm, rs, x, y)
         case _:
+            require(ra == 0, "has a register where zero should be")
             return arithmetic.half_multiply(rd, rm, rs, x, y, None)
 
 
@@ -389,13 +394,17 @@ def _signed_multiplies(word: int, op1: int, op2: int) -> Action:
 
 
 # ---------------------------------------------------------------------------------------------------- unconditional space
+_PRELOADS = ((0x0F30F000, 0x0510F000), (0x0F30F010, 0x0710F000), (0x0F70F000, 0x0450F000), (0x0F70F010, 0x0650F000))
+"""Mask and value of pld and pli with an immediate and with a register offset."""
+
+
 def _unconditional(word: int, address: int) -> Action:
     if word >> 25 & 7 == 5:
         offset = (((word & 0xFFFFFF) ^ 0x800000) - 0x800000) * 4 + (word >> 23 & 2)
         link = Compute(Op.MOV, LR, Imm((address + 4) & MASK))
         traits = Traits(Kind.BRANCH_LINK, writes=(LR,), writes_pc=True)
         return Action((link,), traits, Call((address + 8 + offset) & MASK, True))
-    if word & 0x0D70F000 == 0x0550F000 or word & 0x0D70F010 == 0x0750F000:
+    if any(word & mask == value for mask, value in _PRELOADS):
         reads = registers(*((word >> 16 & 15, word & 15) if word >> 25 & 1 else (word >> 16 & 15,)))
         return Action((), Traits(Kind.PRELOAD, reads))
     if word == 0xF57FF01F or (word & 0x0FFFFF00 == 0x057FF000 and word >> 4 & 15 in (4, 5, 6)):

@@ -86,6 +86,11 @@ def _fpu_memory(word: int, aligned_pc: int) -> Action:
         if pre == up or words == 0:
             raise Undecodable("is an undefined form of vldm or vstm")
         require(rn != PC, "transfers floating-point registers relative to the program counter")
+        first = word >> 12 & 15
+        first = first | word >> 18 & 16 if double else first << 1 | word >> 22 & 1
+        many = words // 2 if double else words
+        fits = first + many <= 32 and (not double or (words % 2 == 0 and many <= 16))
+        require(fits, "is an unpredictable form of vldm or vstm")
         count, start = words, 0 if up else -offset
     ops: list[MicroOp] = []
     for position in range(count):

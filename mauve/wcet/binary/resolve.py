@@ -34,6 +34,7 @@ from mauve.wcet.binary.microop import (
     SetFlags,
     Store,
     StoreUnknown,
+    SupervisorCall,
     TableJump,
 )
 from mauve.wcet.binary.terms import MASK, Flags, Terms, concrete
@@ -81,7 +82,7 @@ class Code:
         """The steps that lead to `address`."""
         steps = list(self._sources.get(address, ()))
         linear = self._ending.get(address)
-        if linear is not None and isinstance(self.instructions[linear].flow, Next):
+        if linear is not None and isinstance(self.instructions[linear].flow, Next | SupervisorCall):
             steps.append((linear, None))
         return steps
 
@@ -152,7 +153,7 @@ class _Path:
             flags = (FlagKind.LOGIC, term, term)
             self.terms.facts.append((Condition.EQ if zero else Condition.NE, flags))
             return
-        if not isinstance(flow, Next):
+        if not isinstance(flow, Next | SupervisorCall):
             taken = kind is not EdgeKind.FALL
             if condition is not Condition.AL:
                 self.assume(condition if taken else condition.negated)

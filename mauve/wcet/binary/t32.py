@@ -134,6 +134,7 @@ def _shifted_register(first: int, second: int) -> Action:
 def _plain_immediate(first: int, second: int, address: int) -> Action:
     rn, rd = first & 15, second >> 8 & 15
     lsb, width = second >> 10 & 0x1C | second >> 6 & 3, second & 31
+    require(first & 0x100 == 0 or (first & 0x400 == 0 and second & 0x20 == 0), _UNDEFINED)
     match first >> 4 & 31:
         case 0 | 10 as code:
             op = Op.SUB if code else Op.ADD
@@ -305,6 +306,8 @@ def _double_exclusive_table(first: int, second: int, address: int) -> Action:
         return _table_branch(rn, low, kind + 1, second, address)
     require(kind in (4, 5, 7), _UNDEFINED)
     _plain(rt)
+    require(kind == 7 or rt2 == PC, _UNDEFINED)
+    require(not load or low == PC, _UNDEFINED)
     if load:
         return exclusive_load(rn, rt, rt2 if kind == 7 else None, {4: 1, 5: 2, 7: 8}[kind])
     return exclusive_store(rn, low, (rt, rt2) if kind == 7 else (rt,), {4: 1, 5: 2, 7: 8}[kind])
@@ -362,6 +365,7 @@ def _control(first: int, second: int) -> Action:
     match first >> 4 & 0x7F:
         case 0x38 | 0x39:
             _plain(rn)
+            require(second & 0x3020 == 0, _UNDEFINED)
             return write_status(rd, bool(first & 16), (rn,))
         case 0x3A:
             if rd & 7 == 0:
@@ -372,6 +376,7 @@ def _control(first: int, second: int) -> Action:
             return Action((), Traits(Kind.BARRIER))
         case 0x3E | 0x3F:
             _plain(rd)
+            require(rn == PC and second & 0x3020 == 0, _UNDEFINED)
             return opaque_result(Kind.MRS, (rd,))
         case 0x7F if second >> 12 & 7 == 2:
             return Action((), Traits(Kind.HINT), Stop())
