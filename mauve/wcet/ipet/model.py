@@ -6,6 +6,7 @@ is attained, and its dual values give a bound that `program.dual_bound` proves i
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
@@ -52,6 +53,15 @@ def _solve(
     problem: PathProblem, constraints: Sequence[Row], timeout: float | None, integer: bool
 ) -> tuple[list[float], list[float]] | None:
     """Values of all edges and dual values of all rows, None without an optimum."""
+    with warnings.catch_warnings():
+        # PuLP 3 announces the names of PuLP 4; the package's requirement keeps to 3.
+        warnings.simplefilter("ignore", DeprecationWarning)
+        return _optimum(problem, constraints, timeout, integer)
+
+
+def _optimum(
+    problem: PathProblem, constraints: Sequence[Row], timeout: float | None, integer: bool
+) -> tuple[list[float], list[float]] | None:
     import pulp
 
     category = pulp.LpInteger if integer else pulp.LpContinuous
