@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 from mauve.timing.level import Budget, finish, job_finishes
 from mauve.timing.psm import PsmTransition
@@ -19,15 +20,15 @@ from mauve.timing.task import Kind, Task, Workload
 from mauve.timing.traces import PsmCurve, witness_run
 
 SHOWN_JOBS = 64
-"""Traces and runs in a bill are spelled out for at most so many jobs."""
+"""Traces and runs in a bill are spelled out for so many jobs at most."""
 
 
 @dataclass(frozen=True, slots=True)
 class BillWork:
     """The share of one workload: how often it runs, what that costs, its trace, and a run of its PSM that costs it.
 
-    `trace` holds e_1, e_2, ... and `run` the transitions, both empty past `SHOWN_JOBS` jobs; `run` is empty too where
-    the work is not a PSM.
+    `trace` holds e_1, e_2, ... of the first `SHOWN_JOBS` jobs at most; `run` the transitions of all jobs, empty where
+    there are more jobs than that or the work is not a PSM.
     """
 
     name: str
@@ -144,13 +145,13 @@ def _line(
 
 
 def _charged(part: Workload, costs: tuple[int, ...]) -> BillWork:
-    return BillWork(part.name, len(costs), sum(costs), costs, ())
+    return BillWork(part.name, len(costs), sum(costs), costs[:SHOWN_JOBS], ())
 
 
 def _work(part: Workload, jobs: int) -> BillWork:
     curve = part.curve
-    totals = [curve.total(count) for count in range(jobs + 1)] if jobs <= SHOWN_JOBS else []
-    trace = tuple(totals[count + 1] - totals[count] for count in range(len(totals) - 1))
+    totals = [curve.total(count) for count in range(min(jobs, SHOWN_JOBS) + 1)]
+    trace = tuple(later - earlier for earlier, later in pairwise(totals))
     run: tuple[PsmTransition, ...] = ()
     if isinstance(curve, PsmCurve) and 0 < jobs <= SHOWN_JOBS:
         run = witness_run(curve.psm, jobs)

@@ -86,15 +86,18 @@ def map_costs(psm: Psm, change: Callable[[PsmTransition], PsmTransition]) -> Psm
     return make_psm(psm.name, psm.initial, changed, psm.states)
 
 
-def format_psm(psm: Psm) -> str:
-    """A readable text: one line per transition, in order, with its parts; merged alternatives are not shown."""
+def format_psm(psm: Psm, show: Callable[[int], str] = str) -> str:
+    """A readable text: one line per transition, in order, with its parts; merged alternatives are not shown.
+
+    `show` writes a cost, e.g. with its unit.
+    """
     lines = [f"psm {psm.name}", f"  initial {psm.initial}"]
     width = max((len(t.source) for t in psm.transitions), default=0)
     target_width = max((len(t.target) for t in psm.transitions), default=0)
-    cost_width = max((len(str(t.cost)) for t in psm.transitions), default=0)
+    cost_width = max((len(show(t.cost)) for t in psm.transitions), default=0)
     for t in psm.transitions:
-        parts = " + ".join(f"{part.label} {part.cost}" for part in t.parts)
-        line = f"  {t.source:<{width}} -> {t.target:<{target_width}}  {t.cost:>{cost_width}}"
+        parts = " + ".join(f"{part.label} {show(part.cost)}" for part in t.parts)
+        line = f"  {t.source:<{width}} -> {t.target:<{target_width}}  {show(t.cost):>{cost_width}}"
         line += f"  {t.label}" if t.label else ""
         line += f"  = {parts}" if parts else ""
         lines.append(line)

@@ -162,7 +162,8 @@ def check(bill: Bill) -> None:
     for line in (bill.own, *bill.others):
         assert line.cost == line.overhead + sum(work.cost for work in line.work)
         for work in line.work:
-            assert sum(work.trace) == (work.cost if work.jobs <= SHOWN_JOBS else 0)
+            assert len(work.trace) == min(work.jobs, SHOWN_JOBS)
+            assert sum(work.trace) == work.cost or work.jobs > SHOWN_JOBS
             assert not work.run or sum(t.cost for t in work.run) == work.cost
 
 

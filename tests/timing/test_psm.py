@@ -160,3 +160,7 @@ def test_a_long_chain_needs_no_recursion() -> None:
     names = [f"s{number}" for number in range(3000)]
     psm = make_psm("m", "s0", [PsmTransition(a, b, 1) for a, b in pairwise(names)])
     assert len(shape(psm).components) == 3000
+
+
+def test_costs_print_with_a_unit() -> None:
+    assert "a -> b  7ms" in format_psm(psm_of(("a", 7, "b")), lambda cost: f"{cost}ms")
