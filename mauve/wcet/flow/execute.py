@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from time import monotonic
 from typing import Protocol
 
 from mauve.wcet.binary.graph import EXIT, Edge, EdgeKind
@@ -21,7 +22,10 @@ from mauve.wcet.binary.microop import (
     IndirectCall,
     IndirectJump,
     Instruction,
+    Load,
+    MicroOp,
     Next,
+    Store,
     TableJump,
 )
 from mauve.wcet.flow import closed_form, domain, flags, joining, linear
@@ -41,39 +45,47 @@ MOST_SPLITS = 8
 """In a block, conditional instructions split a state at most into this many."""
 
 
-class Calls(Protocol):
-    """What happens between a call and its return."""
-
-    def apply(self, state: State, index: int, edge: Edge, record: bool) -> State | None:
-        """The state after the call on edge `index`, or None when no callee returns. May change `state`."""
-
-
 @dataclass(slots=True)
 class Record:
     """What a sound pass over the whole function saw. `visits` and `totals` count executions of loop headers (per entry, per
-    execution of the function); `targets` collects the values of indirect branches by instruction address."""
+    execution of the function); `accesses` and `writes` are places (region, first byte, last byte), region None anywhere; `saved` the
+    callee-saved registers put on the stack; `leaks`: an argument may have been stored outside the frame; `calls` the state before
+    each call that asked for it by (edge, callee); `targets` the values of indirect branches by instruction address."""
 
     visits: dict[int, int | None] = field(default_factory=dict)
     methods: dict[int, str] = field(default_factory=dict)
     totals: dict[int, int | None] = field(default_factory=dict)
     taken: set[int] = field(default_factory=set)
     accesses: dict[tuple[int, int], tuple[int | None, int, int]] = field(default_factory=dict)
-    writes: set[tuple[int, int]] = field(default_factory=set)
+    writes: set[tuple[int | None, int, int]] = field(default_factory=set)
+    saved: set[int] = field(default_factory=set)
+    leaks: bool = False
+    calls: dict[tuple[int, int], State] = field(default_factory=dict)
     targets: dict[int, Range] = field(default_factory=dict)
     headers: dict[int, Header] = field(default_factory=dict)
     depth: int | None = 0
     returned: States = field(default_factory=list)
 
 
+class Calls(Protocol):
+    """What happens between a call and its return."""
+
+    def apply(self, state: State, index: int, edge: Edge, record: Record | None) -> State | None:
+        """The state after the call on edge `index`, or None when no callee returns. May change `state`; adds the callee's
+        writes to the record."""
+
+
 @dataclass(frozen=True, slots=True)
 class Policy:
     """`stepped`: loops to execute iteration by iteration; `width`: states kept apart where paths meet; `steps`: instructions to
-    execute before giving up stepping; `passes`: to find a header that holds all iterations."""
+    execute before giving up stepping; `passes`: to find a header that holds all iterations; `most`: instructions to execute in
+    summarised loops before giving up altogether."""
 
     stepped: frozenset[int]
     width: int = 1
-    steps: int = 40_000
+    steps: int = 12_000
     passes: int = 12
+    most: int = 400_000
 
 
 class _Exhausted(Exception):
@@ -81,6 +93,10 @@ class _Exhausted(Exception):
 
     def __init__(self, region: int) -> None:
         self.region = region
+
+
+class GaveUp(Exception):
+    """The analysis of a function takes more steps or time than it may."""
 
 
 class Execution:
@@ -94,9 +110,12 @@ class Execution:
         policy: Policy,
         thresholds: Sequence[int],
         known: dict[int, int] | None = None,
+        deadline: float | None = None,
     ) -> None:
         self.order, self.image, self.calls, self.policy, self.thresholds = order, image, calls, policy, thresholds
         self.known = known or {}
+        self.deadline = deadline
+        self.summary_steps = 0
         self.stepped = set(policy.stepped)
         self.steps = 0
         self.record: Record | None = None
@@ -210,16 +229,14 @@ class Execution:
         self.record = None
         self.summaries += 1
         try:
-            header, bound = self._header(loop, entry)
-        finally:
-            self.record, self.stays = record, stays
-        leaving: Leaving = {}
-        try:
+            try:
+                header, bound = self._header(loop, entry)
+            finally:
+                self.record, self.stays = record, stays
             self._note_visits(loop, bound, "affine")
             if record is not None and header is not None:
                 record.headers[loop] = header
-            start = entry.copy() if header is None else header.state.copy()
-            leaving, _ = self._region(loop, [start])
+            leaving, _ = self._region(loop, [entry if header is None else header.state])
         finally:
             self.summaries -= 1
         return leaving
@@ -287,6 +304,10 @@ class Execution:
         self.steps += len(instructions) * len(states)
         if self.limits and self.steps > self.limits[-1][1]:
             raise _Exhausted(next(r for r, limit in self.limits if self.steps > limit))
+        if not self.limits:
+            self.summary_steps += len(instructions) * len(states)
+        if self.summary_steps > self.policy.most or (self.deadline is not None and monotonic() > self.deadline):
+            raise GaveUp
         states = [state.copy() for state in states]
         for instruction in instructions[:-1]:
             states = self._instruction(instruction, states)
@@ -335,11 +356,28 @@ class Execution:
             region = None
         key = (instruction.address, index)
         place = (region, low, high + size - 1)
+        op = instruction.ops[index]
+        if not isinstance(op, Load):
+            self._note_write(state, op, place)
         before = self.record.accesses.get(key)
         if before is not None and before != place:
             same = before[0] == region and region is not None
             place = (region, min(before[1], low), max(before[2], place[2])) if same else (None, 0, domain.MASK)
         self.record.accesses[key] = place
+
+    def _note_write(self, state: State, op: MicroOp, place: tuple[int | None, int, int]) -> None:
+        assert self.record is not None
+        self.record.writes.add(place if place[0] != FRAME or place[2] >= 0 else (FRAME, 0, -1))
+        if not isinstance(op, Store) or isinstance(op.value, Imm):
+            return
+        value = state.regs[op.value]
+        if type(value) is int:
+            return
+        held = [symbol for symbol in linear.symbols(value) if linear.is_entry_symbol(symbol)]
+        if held and place[0] == FRAME and value == (0, held[0], 1):
+            self.record.saved.add(held[0])
+        elif held and place[0] != FRAME:
+            self.record.leaks = True
 
     def _note_depth(self, state: State) -> None:
         assert self.record is not None
@@ -433,7 +471,7 @@ class Execution:
             edge = self.order.cfg.edges[index]
             after = state if position == len(edges) - 1 else state.copy()
             if edge.callees or edge.kind in (EdgeKind.CALL, EdgeKind.TAIL_CALL):
-                called = self.calls.apply(after, index, edge, self.record is not None)
+                called = self.calls.apply(after, index, edge, self.record)
                 if called is None:
                     continue
                 after = called

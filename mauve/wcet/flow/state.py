@@ -362,7 +362,7 @@ class State:
         region, low, high = self.place(address)
         if value is not None and type(value) is not int and region != FRAME and linear.factor_of(value, FRAME):
             self.leaked = True
-        self._forget_aliases(region)
+        self.forget_aliases(region)
         if region is None:
             return
         if low != high:
@@ -388,8 +388,8 @@ class State:
             return value
         return self.fresh(domain.bit_and(known, domain.constant(limit)))
 
-    def _forget_aliases(self, region: int | None) -> None:
-        """A store to `region` may be one to any other region, except the frame's."""
+    def forget_aliases(self, region: int | None) -> None:
+        """A store to `region` may be one to any other region, except the frame's (unless its address leaked)."""
         if region == FRAME:
             if self.leaked:
                 for other in [r for r in self.memory if r != FRAME]:

@@ -1,0 +1,235 @@
+"""What a call does to the caller's state, from the analysis of the callee."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from mauve.wcet.binary.graph import Edge, EdgeKind
+from mauve.wcet.binary.microop import SP
+from mauve.wcet.flow import domain, flags, joining, linear
+from mauve.wcet.flow.domain import MASK, SIGN, TOP, Range
+from mauve.wcet.flow.execute import Record
+from mauve.wcet.flow.linear import FRAME, Value, entry_symbol
+from mauve.wcet.flow.state import ABSOLUTE, State
+
+ARGUMENTS = (0, 1, 2, 3)
+RESULTS = (0, 1, 2, 3)
+CLOBBERED = (0, 1, 2, 3, 12, 14)
+PRESERVED = (4, 5, 6, 7, 8, 9, 10, 11)
+NEAR = 512
+"""How many bytes around a pointer argument a context knows of the caller's memory."""
+
+Place = tuple[int | None, int, int]
+
+
+@dataclass(frozen=True, slots=True)
+class Summary:
+    """The effect of a function: `results` are the values of r0-r3 on return, as ranges; `writes` the places it may write, in regions
+    of its entry registers, fixed addresses, or None (anywhere but in frames it does not know); `leaks`: an argument may live on in
+    memory; `changed` the callee-saved registers that it changes without having saved them."""
+
+    returns: bool
+    results: tuple[Range, Range, Range, Range]
+    writes: frozenset[Place]
+    leaks: bool
+    changed: frozenset[int]
+
+
+UNKNOWN = Summary(True, (TOP, TOP, TOP, TOP), frozenset({(None, 0, MASK)}), True, frozenset())
+"""A function of which only AAPCS is known."""
+
+
+def summarise(record: Record) -> Summary:
+    """The effect of a function from a pass over it from an unknown state."""
+    writes = frozenset(_known_at_entry(place) for place in record.writes if place[0] != FRAME or place[2] >= 0)
+    if not record.returned:
+        return Summary(False, (TOP, TOP, TOP, TOP), writes, record.leaks, frozenset())
+    state = record.returned[0]
+    first, second, third, fourth = (_result(state, r) for r in RESULTS)
+    changed = frozenset(
+        r
+        for r in PRESERVED
+        if state.regs[r] != linear.of_symbol(entry_symbol(r)) and entry_symbol(r) not in record.saved
+    )
+    return Summary(True, (first, second, third, fourth), writes, record.leaks or state.leaked, changed)
+
+
+def _result(state: State, register: int) -> Range:
+    value = state.regs[register]
+    return TOP if linear.factor_of(value, FRAME) else state.range_of(value)
+
+
+def _known_at_entry(place: Place) -> Place:
+    region, low, high = place
+    if region in (None, ABSOLUTE, FRAME) or region in {entry_symbol(r) for r in ARGUMENTS}:
+        return place
+    return None, 0, MASK
+
+
+def call(state: State, summary: Summary, record: Record | None) -> State | None:
+    """Change the caller's state as the callee may; None when it does not return."""
+    writes = [translated for place in summary.writes for translated in _translate(state, place)]
+    exposed = _exposed(state)
+    for region, low, high in writes:
+        _write(state, region, low, high, exposed)
+    if record is not None:
+        record.writes.update(_outside(place) for place in writes)
+        record.leaks |= summary.leaks and any(linear.symbols(state.regs[r]) for r in ARGUMENTS)
+    if not summary.returns:
+        return None
+    if summary.leaks and exposed:
+        state.leaked = True
+    _leave_frame(state)
+    state.flags, state.origin = flags.ANY, None
+    for register in CLOBBERED:
+        state.regs[register] = state.fresh()
+    for register, known in zip(RESULTS, summary.results, strict=True):
+        state.regs[register] = state.fresh(known)
+    for register in summary.changed:
+        state.regs[register] = state.fresh()
+    return state
+
+
+def _outside(place: Place) -> Place:
+    """The place as a caller of this function sees it."""
+    region, low, high = place
+    if region == FRAME and high < 0:
+        return FRAME, 0, -1
+    return place if region is None or linear.is_entry_symbol(region) or region == ABSOLUTE else (None, 0, MASK)
+
+
+def _translate(state: State, place: Place) -> list[Place]:
+    """A place of the callee in terms of the caller's state."""
+    region, low, high = place
+    if region is None or region == ABSOLUTE:
+        return [place]
+    register = SP if region == FRAME else region - 1
+    base, first, last = state.place(state.regs[register])
+    if base is None:
+        return [(FRAME, -SIGN, SIGN - 1)] if linear.factor_of(state.regs[register], FRAME) else [(None, 0, MASK)]
+    if region == FRAME:
+        low = max(low, 0)
+    if base == ABSOLUTE and (first + low < 0 or last + high > MASK):
+        return [(None, 0, MASK)]
+    return [(base, first + low, last + high)]
+
+
+def _exposed(state: State) -> bool:
+    """Whether a callee can know an address of the caller's frame: as an argument, or left in the frame as data."""
+    if state.leaked or any(linear.factor_of(state.regs[r], FRAME) for r in ARGUMENTS):
+        return True
+    return any(linear.factor_of(value, FRAME) for _, value in state.memory.get(FRAME, {}).values())
+
+
+def _write(state: State, region: int | None, low: int, high: int, exposed: bool) -> None:
+    if region == FRAME:
+        state.forget_frame(low, high)
+        return
+    state.forget_aliases(region)
+    if region is None:
+        if exposed:
+            state.forget_frame()
+        return
+    state.forget_bytes(region, low, high)
+
+
+def _leave_frame(state: State) -> None:
+    """What lies below sp is the callee's to overwrite."""
+    region, low, high = state.place(state.regs[SP])
+    if region == FRAME and low == high:
+        state.forget_bytes(FRAME, -SIGN, low - 1)
+    else:
+        state.memory.pop(FRAME, None)
+
+
+class ProgramCalls:
+    """Calls within a program: effects by key of the callee; `wanted` are callees whose entry states are to be collected."""
+
+    def __init__(self, summaries: Mapping[int, Summary], wanted: frozenset[int]) -> None:
+        self.summaries, self.wanted = summaries, wanted
+
+    def apply(self, state: State, index: int, edge: Edge, record: Record | None) -> State | None:
+        """The state after a call: the join over its callees."""
+        after: list[State] = []
+        for callee in edge.callees or (0,):
+            before = state.copy() if len(edge.callees) > 1 else state
+            if record is not None and callee in self.wanted:
+                entered = enter(before)
+                known = record.calls.get((index, callee))
+                record.calls[index, callee] = entered if known is None else joining.join(known, entered)
+            called = call(before, self.summaries.get(callee, UNKNOWN), record)
+            if called is not None:
+                after.append(called)
+        if edge.kind is EdgeKind.STOP or not after:
+            return state if edge.kind is EdgeKind.STOP else None
+        return joining.join_all(after)
+
+
+def enter(caller: State) -> State:
+    """The state in which the callee starts: ranges of its arguments, and the caller's memory near pointers into its frame."""
+    state = State(caller.symbols)
+    for register in ARGUMENTS:
+        value = caller.regs[register]
+        region, low, high = caller.place(value)
+        if region is not None and region != ABSOLUTE and low == high:
+            _copy_cells(caller, region, low, state, entry_symbol(register))
+            continue
+        known = caller.range_of(value)
+        if known.n == 0:
+            state.regs[register] = known.low
+        elif not known.is_top:
+            state.ranges[entry_symbol(register)] = known
+    region, low, high = caller.place(caller.regs[SP])
+    if region == FRAME and low == high:
+        _copy_cells(caller, FRAME, low, state, FRAME, 0)
+    absolute = caller.memory.get(ABSOLUTE, {})
+    state.memory[ABSOLUTE] = {o: _moved(caller, state, c) for o, c in absolute.items() if _movable(caller, c)}
+    return state
+
+
+def _copy_cells(caller: State, region: int, origin: int, state: State, new: int, least: int = -NEAR) -> None:
+    cells = caller.memory.get(region, {})
+    near = {o - origin: c for o, c in cells.items() if least <= o - origin <= NEAR and _movable(caller, c)}
+    if near:
+        state.memory[new] = {offset: _moved(caller, state, cell) for offset, cell in near.items()}
+
+
+def _movable(caller: State, cell: tuple[int, Value]) -> bool:
+    """Whether the cell tells a callee something."""
+    size, value = cell
+    if type(value) is int:
+        return True
+    return not linear.factor_of(value, FRAME) and caller.range_of(value).size < 1 << 8 * size
+
+
+def _moved(caller: State, state: State, cell: tuple[int, Value]) -> tuple[int, Value]:
+    size, value = cell
+    return size, value if type(value) is int else state.fresh(caller.range_of(value))
+
+
+def describe(state: State) -> str:
+    """A context in a few words: the arguments that it knows."""
+    known = []
+    for register in ARGUMENTS:
+        values = state.range_of(state.regs[register])
+        if values.n == 0:
+            known.append(f"r{register}={domain.signed(values.low)}")
+        elif not values.is_top:
+            low, high = values.signed_bounds()
+            known.append(f"r{register}={low}..{high}")
+    return " ".join(known)
+
+
+def fingerprint(state: State) -> tuple[object, ...]:
+    """Equal for states from which the callee behaves the same."""
+    registers = tuple(state.range_of(state.regs[r]) for r in ARGUMENTS)
+    memory = tuple(
+        (region, offset, cell[0], state.range_of(cell[1]))
+        for region in sorted(state.memory)
+        for offset, cell in sorted(state.memory[region].items())
+    )
+    return registers, memory
+
+
+__all__ = ["UNKNOWN", "ProgramCalls", "Summary", "call", "describe", "enter", "fingerprint", "summarise"]

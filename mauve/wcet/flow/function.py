@@ -1,0 +1,171 @@
+"""One function in one context: abstract executions in growing strength, and the smallest sound bound of each loop."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+
+from mauve.wcet.binary.graph import Cfg
+from mauve.wcet.binary.loops import Loop
+from mauve.wcet.binary.microop import Compute, Imm, Instruction, SetFlags
+from mauve.wcet.flow import domain
+from mauve.wcet.flow.closed_form import MOST
+from mauve.wcet.flow.domain import MASK, SIGN, Range
+from mauve.wcet.flow.execute import Calls, Execution, GaveUp, Policy, Record
+from mauve.wcet.flow.order import Order
+from mauve.wcet.flow.result import LoopBound
+from mauve.wcet.flow.state import State
+from mauve.wcet.flow.transfer import Image
+from mauve.wcet.result import Origin
+
+WIDTH = 8
+"""States kept apart at once where one did not suffice."""
+
+Ranking = Callable[[Loop, Record], tuple[int, str] | None]
+
+
+@dataclass(frozen=True, slots=True)
+class Limits:
+    """What the analysis of one function may cost: instructions executed abstractly in stepped and in summarised loops, and a
+    point in time (of time.monotonic) at which everything ends."""
+
+    steps: int = 12_000
+    most: int = 400_000
+    deadline: float | None = None
+
+
+@dataclass(slots=True)
+class FunctionResult:
+    """What the passes over a function found, best of all; `record` is that of the last pass."""
+
+    record: Record
+    bounds: dict[int, LoopBound] = field(default_factory=dict)
+    infeasible: frozenset[int] = frozenset()
+    accesses: dict[tuple[int, int], tuple[int | None, int, int]] = field(default_factory=dict)
+    targets: dict[int, Range] = field(default_factory=dict)
+    unbounded: frozenset[int] = frozenset()
+    depth: int | None = None
+
+
+def thresholds(cfg: Cfg) -> list[int]:
+    """The constants of a function's compares and sums, with their neighbours: where ranges stop growing first."""
+    found = {0, SIGN - 1, SIGN, MASK}
+    for block in cfg.blocks:
+        for instruction in block.instructions:
+            for constant in _constants(instruction):
+                found.update((constant + offset) & MASK for offset in (-1, 0, 1))
+    return sorted(found)
+
+
+def _constants(instruction: Instruction) -> list[int]:
+    operands = [o for op in instruction.ops if isinstance(op, Compute | SetFlags) for o in (op.a, op.b)]
+    return [operand.value for operand in operands if isinstance(operand, Imm)]
+
+
+def analyse_function(
+    order: Order,
+    entry: State,
+    image: Image,
+    calls: Calls,
+    given: Mapping[int, LoopBound],
+    ranking: Ranking | None,
+    limits: Limits,
+) -> FunctionResult:
+    """Analyse a function from an entry state. `given` are bounds proven or stated elsewhere. Raises GaveUp."""
+    known = {loop: bound.bound for loop, bound in given.items()}
+    marks = thresholds(order.cfg)
+
+    def execute(stepped: frozenset[int], width: int = 1) -> Record:
+        policy = Policy(stepped, width, limits.steps, most=limits.most)
+        return Execution(order, image, calls, policy, marks, known, limits.deadline).execute(entry.copy())
+
+    records = [execute(frozenset())]
+    if not order.nest.loops:
+        return _merge(order, records, {})
+    bounds = dict(given)
+    _rank(order, records[0], bounds, known, ranking)
+    loops = frozenset(range(len(order.nest.loops)))
+    nested = any(loop.parent is not None for loop in order.nest.loops)
+    for width in (1, WIDTH):
+        missing = _missing(records, known)
+        if not missing and (width > 1 or not nested or _cost(order, records[0], known) > limits.steps):
+            break
+        try:
+            records.append(execute(loops, width))
+        except GaveUp:
+            break
+    return _merge(order, records, bounds)
+
+
+def _missing(records: list[Record], known: Mapping[int, int]) -> list[int]:
+    reached = set.intersection(*(set(record.visits) for record in records))
+    return [loop for loop in reached if loop not in known and all(record.visits[loop] is None for record in records)]
+
+
+def _rank(
+    order: Order, record: Record, bounds: dict[int, LoopBound], known: dict[int, int], ranking: Ranking | None
+) -> None:
+    """Ask for ranking arguments where the closed form has none."""
+    if ranking is None:
+        return
+    for loop, visits in record.visits.items():
+        if visits is not None or loop in known:
+            continue
+        found = ranking(order.nest.loops[loop], record)
+        if found is not None:
+            known[loop] = found[0]
+            bounds[loop] = LoopBound(found[0], Origin.ANALYSIS, found[1])
+
+
+def _cost(order: Order, record: Record, known: Mapping[int, int]) -> int:
+    """About how many instructions a pass executes that steps through every loop."""
+    inside: dict[int | None, int] = {}
+    for loop in reversed(order.nest.loops):
+        body = sum(len(order.cfg.blocks[b].instructions) for b in loop.blocks if order.innermost[b] == loop.id)
+        visits = record.visits.get(loop.id, 1)
+        times = visits if visits is not None else known.get(loop.id, MOST)
+        inside[loop.parent] = inside.get(loop.parent, 0) + times * (body + inside.get(loop.id, 0))
+    return inside.get(None, 0)
+
+
+def _merge(order: Order, records: list[Record], given: Mapping[int, LoopBound]) -> FunctionResult:
+    result = FunctionResult(records[-1])
+    reached = set.intersection(*(set(record.visits) for record in records))
+    for loop in sorted(reached):
+        candidates = [
+            LoopBound(visits, Origin.ANALYSIS, record.methods.get(loop, ""))
+            for record in records
+            if (visits := record.visits[loop]) is not None
+        ]
+        if loop in given:
+            candidates.append(given[loop])
+        if candidates:
+            best = min(candidates, key=lambda bound: bound.bound)
+            totals = [total for record in records if (total := record.totals.get(loop)) is not None]
+            totals += [candidate.total for candidate in candidates if candidate.total is not None]
+            result.bounds[loop] = LoopBound(best.bound, best.origin, best.method, min(totals, default=None))
+    result.unbounded = frozenset(reached - result.bounds.keys())
+    taken = set.intersection(*(record.taken for record in records))
+    result.infeasible = frozenset(range(len(order.cfg.edges))) - taken
+    for record in records:
+        for key, place in record.accesses.items():
+            result.accesses[key] = _smaller(result.accesses.get(key), place)
+        for address, values in record.targets.items():
+            before = result.targets.get(address)
+            result.targets[address] = values if before is None or values.size < before.size else before
+    depths = [record.depth for record in records if record.depth is not None]
+    result.depth = min(depths, default=None)
+    return result
+
+
+def _smaller(
+    first: tuple[int | None, int, int] | None, second: tuple[int | None, int, int]
+) -> tuple[int | None, int, int]:
+    if first is None or first[0] is None:
+        return second
+    if second[0] is None:
+        return first
+    return second if second[2] - second[1] < first[2] - first[1] else first
+
+
+__all__ = ["FunctionResult", "Limits", "analyse_function", "domain", "thresholds"]

@@ -1,0 +1,66 @@
+"""What the value analysis knows, in the words of the ranking arguments (locations.py)."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from mauve.wcet.flow.domain import MODULUS, SIGN, Range
+from mauve.wcet.flow.execute import Record
+from mauve.wcet.flow.linear import FRAME
+from mauve.wcet.flow.locations import ANY, Base, Cell, Interval, Location, Region, whole
+from mauve.wcet.flow.state import ABSOLUTE, State
+
+
+def interval(known: Range) -> Interval:
+    """The hull of a range as an interval."""
+    if known.is_top:
+        return ANY
+    low = known.low
+    if low & SIGN and low + known.span >= MODULUS:
+        low -= MODULUS
+    return Interval(low, low + known.span, known.step or 1)
+
+
+class LoopValues:
+    """EntryValues of one loop, from the header that a pass found for it."""
+
+    def __init__(self, record: Record, loop: int, tracked: Callable[[int], bool]) -> None:
+        header = record.headers.get(loop)
+        self._entry = None if header is None else header.entry
+        self._any = None if header is None else header.state
+        self._record, self._tracked = record, tracked
+
+    def on_entry(self, location: Location) -> Interval:
+        """The value when control comes to the header from outside the loop."""
+        return _value(self._entry, location)
+
+    def invariant(self, location: Location) -> Interval:
+        """The value at the start of the header, in any iteration."""
+        return _value(self._any, location)
+
+    def sp_offset(self, block: int) -> int | None:
+        """Not kept per block."""
+        return None
+
+    def access(self, address: int, index: int) -> Region | None:
+        """The bytes touched by a micro-operation."""
+        place = self._record.accesses.get((address, index))
+        if place is None or place[0] not in (FRAME, ABSOLUTE):
+            return None
+        return Region(Base.SP if place[0] == FRAME else Base.ABSOLUTE, place[1], place[2])
+
+    def tracked(self, cell: Cell) -> bool:
+        """Memory of the binary changes only by its own code (a listed assumption); other addresses may be devices."""
+        return cell.base is Base.ABSOLUTE and self._tracked(cell.offset)
+
+
+def _value(state: State | None, location: Location) -> Interval:
+    if state is None:
+        return whole(location)
+    if isinstance(location, int):
+        return interval(state.range_of(state.regs[location]))
+    region = FRAME if location.base is Base.SP else ABSOLUTE
+    cell = state.memory.get(region, {}).get(location.offset)
+    if cell is None or cell[0] != location.size:
+        return whole(location)
+    return interval(state.range_of(cell[1]))
