@@ -18,7 +18,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 from mauve.wcet.binary.graph import EXIT, Block, Cfg, Edge, EdgeKind
-from mauve.wcet.binary.microop import Condition
+from mauve.wcet.binary.microop import CompareBranch, Condition, Next
 from mauve.wcet.hardware.board import Board
 from mauve.wcet.hardware.conditions import outcomes
 from mauve.wcet.hardware.core import Core, CoreModel
@@ -62,6 +62,8 @@ def edge_costs(
         if index not in infeasible and edge.source in reachable:
             outgoing.setdefault(edge.source, []).append(index)
     target_waits = {index: _target_waits(cfg, edge, core, memory) for index, edge in enumerate(cfg.edges)}
+    branching = {edge.source for edge in cfg.edges if edge.kind is not EdgeKind.FALL}
+    endings = {index: _endings(cfg, edge, edge.source in branching) for index, edge in enumerate(cfg.edges)}
     pending: dict[int, Pending] = {cfg.entry: {}}
     waiting, queued = deque([cfg.entry]), {cfg.entry}
     while waiting:
@@ -70,7 +72,7 @@ def edge_costs(
         leave = _Leaving(steps[block_id], pending[block_id])
         for index in outgoing.get(block_id, ()):
             edge = cfg.edges[index]
-            cycles, after = leave.by(edge.kind)
+            cycles, after = leave.by(endings[index])
             worst[index] = max(worst[index], cycles + target_waits[index])
             if edge.target == EXIT:
                 continue
@@ -117,13 +119,31 @@ class _Leaving:
         self._pending = pending
         self._known: dict[bool | None, tuple[int, Pending]] = {}
 
-    def by(self, kind: EdgeKind) -> tuple[int, Pending]:
-        """Cycles of the block when it is left by an edge of this kind, and what is pending then."""
-        closing = self._steps[-1]
-        taken = None if not closing.transfers_control else kind is not EdgeKind.FALL or not closing.can_fall
-        if taken not in self._known:
-            self._known[taken] = _block_cost(self._steps, self._pending, taken)
-        return self._known[taken]
+    def by(self, endings: tuple[bool | None, ...]) -> tuple[int, Pending]:
+        """Cycles of the block when its last instruction does one of these things, and what is pending then."""
+        alternatives = []
+        for taken in endings:
+            if taken not in self._known:
+                self._known[taken] = _block_cost(self._steps, self._pending, taken)
+            alternatives.append(self._known[taken])
+        spent = max(cost for cost, _ in alternatives)
+        return spent, _latest(spent, alternatives)
+
+
+def _endings(cfg: Cfg, edge: Edge, branches: bool) -> tuple[bool | None, ...]:
+    """Whether the last instruction of the edge's block transfers control on the way to the edge: (True,), (False,),
+    both where the edge does not tell, and (None,) when it is no transfer of control. `branches`: the block has edges
+    of other kinds than FALL."""
+    last = cfg.blocks[edge.source].instructions[-1]
+    if isinstance(last.flow, Next):
+        return (None,)
+    if last.condition is Condition.AL and not isinstance(last.flow, CompareBranch):
+        return (True,)
+    if edge.kind is EdgeKind.FALL:
+        # A call that is said not to happen falls through as well: it is the only way on then.
+        return (False,) if branches else (False, True)
+    # Falling into the next function is a tail call of it.
+    return (False, True) if any(callee & ~1 == last.end for callee in edge.callees) else (True,)
 
 
 def _block_cost(steps: tuple[Step, ...], pending: Pending, taken: bool | None) -> tuple[int, Pending]:

@@ -9,7 +9,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from mauve.wcet.binary.microop import (
-    CompareBranch,
     Condition,
     Instruction,
     Load,
@@ -50,8 +49,6 @@ class Step:
     condition: Condition
     sets_flags: bool
     transfers_control: bool
-    can_fall: bool
-    """a transfer of control that does not always happen"""
     reads: tuple[int, ...]
     late_reads: tuple[int, ...]
     writes: tuple[int, ...]
@@ -85,7 +82,6 @@ def make_step(instruction: Instruction, core: Core, memory: MemoryMap, accesses:
         condition=instruction.condition,
         sets_flags=traits.sets_flags or any(isinstance(op, (SetFlags, SetCarry)) for op in instruction.ops),
         transfers_control=transfers_control,
-        can_fall=instruction.condition is not Condition.AL or isinstance(instruction.flow, CompareBranch),
         reads=traits.reads,
         late_reads=traits.late_reads,
         writes=traits.writes,

@@ -1,6 +1,7 @@
 """Bounds of all functions of a program, callees first: costs of edges, bounds of callees added at calls, path problems.
 
-A call costs the most expensive of its callees. A function whose code, loops or callees leave something unknown has no
+A call costs the most expensive of its callees. A path that ends in a trap or in a call that never comes back counts up
+to there: no execution that returns goes on. A function whose code, loops or callees leave something unknown has no
 bound; its problems say why, and the other functions still get theirs.
 """
 
@@ -18,6 +19,8 @@ from mauve.wcet.ipet.problem import problem_of
 from mauve.wcet.ipet.solve import Method, solve
 from mauve.wcet.result import Problem, ProblemKind
 
+_RETURNS = (EdgeKind.RETURN, EdgeKind.TAIL_CALL)
+
 
 @dataclass(frozen=True, slots=True)
 class FunctionBound:
@@ -25,8 +28,8 @@ class FunctionBound:
 
     `cycles` is its bound, callees included, None when it has none. `own` are the cycles of each edge without callees,
     `counts` the executions of each edge on the worst path, `chosen` the callee that counts on each call edge.
-    `problems`
-    are its own, not those of its callees. `stack` is the greatest depth in bytes, callees included, None when unknown.
+    `problems` are its own, not those of its callees. `stack` is the greatest depth in bytes, callees included, None
+    when unknown.
     """
 
     cycles: int | None
@@ -65,6 +68,8 @@ def bound_function(
     chosen: dict[int, ContextKey] = {}
     total = list(costs.cycles)
     for index in live:
+        if flow.cfg.edges[index].kind is EdgeKind.STOP:
+            continue
         contexts = flow.calls.get(index, ())
         if not contexts and flow.cfg.edges[index].callees:
             return FunctionBound(None, stack=stack)
@@ -88,7 +93,8 @@ def bound_function(
         ),
         method,
     )
-    if solution is None:
+    returns = any(flow.cfg.edges[index].kind in _RETURNS for index in live)
+    if solution is None or not returns:
         message = f"{flow.cfg.name} does not return: no path leads out of it"
         problem = Problem(ProblemKind.NO_RETURN, message, flow.cfg.address, flow.cfg.name)
         return FunctionBound(None, problems=(problem,), stack=stack)
@@ -114,8 +120,10 @@ def reachable_edges(flow: FunctionFlow) -> tuple[int, ...]:
 
 
 def calls_of(flow: FunctionFlow) -> Iterator[tuple[int, ContextKey]]:
-    """Every feasible call: its edge and the callee's context."""
+    """Every feasible call that comes back: its edge and the callee's context."""
     for index in reachable_edges(flow):
+        if flow.cfg.edges[index].kind is EdgeKind.STOP:
+            continue
         for key in flow.calls.get(index, ()):
             yield index, key
 

@@ -241,3 +241,18 @@ def test_wait_states_need_a_compositional_core() -> None:
     assert len(board_problems(slow, core("cortex-m3"))) == 1
     assert board_problems(Board("m3", "cortex-m3", 1), core("cortex-m3")) == ()
     assert board_problems(Board("m0", "cortex-m0", 1, (FLASH,)), core("cortex-m0")) == ()
+
+
+def test_falling_into_the_next_function_does_not_take_the_branch() -> None:
+    """muleq r0, r1, r2; bne back: on the way past the branch the multiply has executed."""
+    from dataclasses import replace
+
+    cfg = graph([[0x00000291, 0x1A000000]], [(0, EXIT, TAKEN), (0, EXIT, EdgeKind.TAIL_CALL)])
+    behind = replace(cfg.edges[1], callees=(BASE + 8,))
+    cfg = replace(cfg, edges=(cfg.edges[0], behind))
+    assert edge_costs(cfg, core("arm7tdmi"), board(), {}).cycles == (1 + 3, 5 + 1)
+
+
+def test_a_skipped_call_still_costs_its_branch() -> None:
+    cfg = graph([[0x0B000000]], [(0, EXIT, FALL)])
+    assert edge_costs(cfg, core("arm7tdmi"), board(), {}).cycles == (3,)
