@@ -39,11 +39,14 @@ class Counting(Enum):
     """executions of the source loop's body; one more header execution unless the loop is proven bottom-tested"""
     HEADER = "header"
     """executions of the header block"""
+    BACK = "back"
+    """passes along back edges, as OTAWA counts: one more header execution, whatever the shape of the loop"""
 
 
 @dataclass(frozen=True, slots=True)
 class LoopFact:
-    """The loop at `place` runs at most `maximum` times per entry, and its body or header at most `total` times in all."""
+    """The loop at `place` runs at most `maximum` times per entry, and at most `total` times per execution of the
+    function, both counted as `counting` says."""
 
     place: Place
     maximum: int | None
