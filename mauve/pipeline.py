@@ -8,23 +8,24 @@ produced stays in the result, so that `--emit` can print it and a person can fol
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 from mauve.diagnostics.diagnostic import Report
 from mauve.lower.activation import settle
 from mauve.lower.codels import CodelTime, choose_times, plan_codels
-from mauve.lower.machines import Machine, machines
+from mauve.lower.machines import machines
 from mauve.lower.platform import timing_platform
 from mauve.lower.tasks import NodeTasks, task_sets
 from mauve.model.model import Deployment, Model
 from mauve.model.resolve import resolve
 from mauve.syntax.ast import DeploymentDecl, Module, String
 from mauve.syntax.load import load_modules, standard_module
-from mauve.timing.response import Analysis, Method
+from mauve.timing.response import Method
 from mauve.verdict.deadlines import report_expectation, report_node
 from mauve.verdict.derive import Derivation, derive
+from mauve.verdict.result import CheckResult, DeploymentResult, NodeResult
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,46 +36,6 @@ class Options:
     deployment: str | None = None
     method: Method = Method.TRACE
     cache: bool = True
-
-
-@dataclass(frozen=True, slots=True)
-class NodeResult:
-    """One processor: its tasks and their responses (None where a task is missing)."""
-
-    tasks: NodeTasks
-    analysis: Analysis | None
-
-
-@dataclass(frozen=True, slots=True)
-class DeploymentResult:
-    """One deployment. `complete` says that every codel has a time and every task a place; `holds` that it is complete
-    and every deadline is proven; `as_expected` that the verdict is the one the model asks for."""
-
-    deployment: Deployment
-    codels: tuple[CodelTime, ...]
-    machines: Mapping[str, tuple[Machine, ...] | None]
-    nodes: tuple[NodeResult, ...]
-    complete: bool
-    holds: bool
-
-    @property
-    def as_expected(self) -> bool:
-        """Whether the verdict is the one that the model asks for."""
-        return self.complete and self.holds == (self.deployment.expect_unschedulable is None)
-
-
-@dataclass(frozen=True, slots=True)
-class CheckResult:
-    """Everything a check produced, stage by stage. `deployments` is empty when the model is in error."""
-
-    path: str
-    modules: tuple[Module, ...]
-    model: Model | None
-    deployments: tuple[DeploymentResult, ...]
-
-    def passes(self, report: Report) -> bool:
-        """Whether the input is free of errors and every deployment has the verdict it asks for."""
-        return not report.has_errors and all(deployment.as_expected for deployment in self.deployments)
 
 
 def read_model(path: str, report: Report) -> tuple[tuple[Module, ...], Model | None]:

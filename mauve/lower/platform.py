@@ -4,6 +4,8 @@ analysis.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 from mauve.model.model import Binary, Board, LoopFact, Node, Wait
 from mauve.timing.task import Interrupt, Kind, Platform
 from mauve.units import time_to_cycles
@@ -49,7 +51,7 @@ def _loop_fact(fact: LoopFact, key: int) -> facts.LoopFact:
     return facts.LoopFact(place, fact.maximum, counting, fact.total, str(fact.span), key)
 
 
-def timing_platform(node: Node, handlers: dict[str, int]) -> Platform:
+def timing_platform(node: Node, handlers: Mapping[str, int]) -> Platform:
     """Context switches, ticks and interrupts of a node; `handlers` gives the cost of each interrupt by name.
 
     An interrupt pays two context switches, one to its handler and one back.

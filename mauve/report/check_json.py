@@ -4,21 +4,32 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from mauve.diagnostics.diagnostic import Diagnostic
+from mauve.diagnostics.diagnostic import Diagnostic, Severity
 from mauve.diagnostics.render_json import to_plain
 from mauve.lower.codels import CodelTime
 from mauve.lower.tasks import PlacedTask
-from mauve.pipeline import CheckResult, DeploymentResult, NodeResult
-from mauve.timing.bill import Bill, BillLine, worst_bill
-from mauve.timing.task import Kind, trace_length
+from mauve.timing.bill import Bill, BillLine, deadline_bill, worst_bill
+from mauve.timing.response import Analysis, ResponseResult
+from mauve.timing.task import Kind, Task, trace_length
+from mauve.verdict.result import CheckResult, DeploymentResult, NodeResult
+from mauve.wcet import serialize
+from mauve.wcet.result import WcetResult
 
 SCHEMA = "mauve.check/1"
+
 TRACE_LENGTH = 64
+"""At most so many elements of a trace are listed."""
+
+ANALYSIS = ("address", "loops", "calls", "unresolved", "notes", "assumptions", "stack_bytes")
+"""What a codel's analysis shares with a function of mauve.wcet/1."""
 
 
 def check_document(result: CheckResult, diagnostics: Sequence[Diagnostic], version: str) -> dict[str, object]:
-    """The document: verdicts, codels, components and diagnostics."""
-    errors = any(d.severity.value == "error" for d in diagnostics)
+    """The document: verdicts, codels with the origin of their times, components with their bills, and diagnostics.
+
+    `holds` is true exactly when `mauvec check` exits with 0.
+    """
+    errors = any(d.severity is Severity.ERROR for d in diagnostics)
     return {
         "schema": SCHEMA,
         "tool": {"name": "mauvec", "version": version},
@@ -35,14 +46,16 @@ def _deployment(result: DeploymentResult) -> dict[str, object]:
         "name": deployment.name,
         "architecture": deployment.architecture.name,
         "complete": result.complete,
-        "schedulable": result.holds,
+        "schedulable": result.holds if result.complete else None,
         "expected_unschedulable": deployment.expect_unschedulable is not None,
         "codels": [_codel(codel) for codel in result.codels],
-        "nodes": [_node(node) for node in result.nodes],
+        "nodes": [_node(node, result.complete) for node in result.nodes],
     }
 
 
+# ---------------------------------------------------------------------------------------------------------- codels
 def _codel(codel: CodelTime) -> dict[str, object]:
+    """A codel's time and where it comes from; `analysis` is what the binary says, whichever time counts."""
     result = codel.result
     return {
         "codel": str(codel.plan.id),
@@ -51,31 +64,48 @@ def _codel(codel: CodelTime) -> dict[str, object]:
         "wcet_ps": codel.time,
         "wcet_cycles": result.cycles if result else None,
         "origin": codel.source.value if codel.source else None,
-        "flow_facts": sum(loop.origin is not None and loop.origin.value == "annotation" for loop in result.loops)
-        if result
-        else 0,
-        "assumptions": list(result.assumptions) if result else [],
+        "analysis": _analysis(result) if result else None,
     }
 
 
-def _node(node: NodeResult) -> dict[str, object]:
+def _analysis(result: WcetResult) -> dict[str, object]:
+    whole = serialize.function(result)
+    return {name: whole[name] for name in ANALYSIS}
+
+
+# ------------------------------------------------------------------------------------------------------ components
+def _node(node: NodeResult, complete: bool) -> dict[str, object]:
     board = node.tasks.node.board
     analysis = node.analysis
-    total = sum(float(task.load) for task in analysis.tasks) if analysis else None
     return {
         "name": node.tasks.node.name,
         "board": board.name,
         "core": board.core,
         "frequency_hz": board.hertz,
-        "load": total,
+        "context_switch_ps": board.context_switch,
+        "load": sum(float(task.load) for task in analysis.tasks) if analysis else None,
         "method": analysis.method.value if analysis else None,
-        "components": [_task(placed, node) for placed in node.tasks.tasks],
+        "components": [_component(placed, analysis, complete) for placed in node.tasks.tasks] if analysis else [],
+        "overheads": [_overhead(task) for task in analysis.tasks if task.kind is not Kind.TASK] if analysis else [],
     }
 
 
-def _task(placed: PlacedTask, node: NodeResult) -> dict[str, object]:
+def _overhead(task: Task) -> dict[str, object]:
+    return {
+        "name": task.name,
+        "kind": task.kind.value,
+        "period_ps": task.period,
+        "cost_ps": task.demand(1),
+        "load": float(task.load),
+    }
+
+
+def _component(placed: PlacedTask, analysis: Analysis, complete: bool) -> dict[str, object]:
     task = placed.task
-    plain: dict[str, object] = {
+    result = analysis.result(task.name)
+    analysed = analysis.task(task.name)
+    length = min(TRACE_LENGTH, trace_length(task, [t for t in analysis.tasks if t.kind is Kind.TASK]))
+    return {
         "name": task.name,
         "instances": [instance.name for instance in placed.instances],
         "period_ps": task.period,
@@ -85,29 +115,36 @@ def _task(placed: PlacedTask, node: NodeResult) -> dict[str, object]:
         "deadline_default": bool(placed.deadline.default),
         "jitter_ps": task.jitter,
         "blocking_ps": task.blocking,
-    }
-    if node.analysis is None:
-        return plain | {"wcrt_ps": None, "schedulable": False, "reason": "incomplete", "load": None, "trace_ps": []}
-    result = node.analysis.result(task.name)
-    analysed = node.analysis.task(task.name)
-    length = min(TRACE_LENGTH, trace_length(task, [t for t in node.analysis.tasks if t.kind is Kind.TASK]))
-    bill = worst_bill(node.analysis, task.name)
-    return plain | {
-        "wcrt_ps": result.wcrt,
-        "slack_ps": result.slack,
-        "schedulable": result.schedulable,
-        "reason": result.reason.value if result.reason else None,
-        "caveats": [caveat.value for caveat in result.caveats],
         "load": float(analysed.load),
         "trace_ps": list(analysed.trace(length)),
-        "bill": _bill(bill) if bill else None,
+        **_response(result, complete),
+        "bill": _bill(worst_bill(analysis, task.name)),
+        "miss": _bill(deadline_bill(analysis, task.name)),
     }
 
 
-def _bill(bill: Bill) -> dict[str, object]:
+def _response(result: ResponseResult, complete: bool) -> dict[str, object]:
+    """In an incomplete deployment a response is only what it is at least, and only a miss is certain."""
+    certain = complete or not result.schedulable
+    reason = result.reason.value if result.reason else None
+    return {
+        "wcrt_ps": result.wcrt if complete else None,
+        "wcrt_at_least_ps": result.wcrt,
+        "slack_ps": result.slack if complete else None,
+        "schedulable": result.schedulable if certain else None,
+        "reason": reason if certain else "incomplete",
+        "caveats": [caveat.value for caveat in result.caveats],
+    }
+
+
+def _bill(bill: Bill | None) -> dict[str, object] | None:
+    """The work of a window, term by term: `due` is blocking, own and interference together."""
+    if bill is None:
+        return None
     return {
         "job": bill.job,
         "window_ps": bill.window,
+        "due_ps": bill.due,
         "blocking_ps": bill.blocking,
         "own": _line(bill.own),
         "interference": [_line(line) for line in bill.others],

@@ -2,139 +2,203 @@
 
 from __future__ import annotations
 
+from collections import Counter
+from itertools import groupby
+
 from mauve.diagnostics.style import Role, Style
 from mauve.lower.codels import CodelTime, Source
 from mauve.lower.tasks import PlacedTask
-from mauve.pipeline import CheckResult, DeploymentResult, NodeResult
 from mauve.report.table import Align, Cell, Column, Row, format_table
-from mauve.timing.task import Kind, trace_length
+from mauve.timing.response import Analysis
+from mauve.timing.task import Kind, Task, trace_length
 from mauve.units import format_time
+from mauve.verdict.result import CheckResult, DeploymentResult, NodeResult
+from mauve.wcet.result import Origin
 
-TRACE_SHOWN = 6
-"""Elements of a trace that fit into a table."""
+TRACE_RUNS = 3
+"""How many runs of equal elements a table shows of a trace."""
+
+TRACE_LENGTH = 1000
+"""How many elements of a trace are looked at for it."""
+
+CODELS = (
+    Column("codel", elastic=True),
+    Column("cycles", Align.RIGHT),
+    Column("WCET", Align.RIGHT),
+    Column("origin"),
+    Column("function", elastic=True),
+)
+COMPONENTS = (
+    Column("component", elastic=True),
+    Column("period", Align.RIGHT),
+    Column("priority", Align.RIGHT),
+    Column("deadline", Align.RIGHT),
+    Column("trace e1, e2, ...", elastic=True),
+    Column("load", Align.RIGHT),
+    Column("WCRT", Align.RIGHT),
+    Column("slack", Align.RIGHT),
+    Column("verdict"),
+)
 
 
-def format_check(result: CheckResult, style: Style) -> str:
-    """The whole result, a section per deployment; empty where nothing was analysed."""
-    return "\n".join(line for deployment in result.deployments for line in [*_deployment(deployment, style), ""])
+def format_check(result: CheckResult, style: Style, limit: int | None = None) -> str:
+    """The whole result, a section per deployment; empty where nothing was analysed. `limit` is the width to keep to."""
+    lines: list[str] = []
+    for deployment in result.deployments:
+        lines += [*_deployment(deployment, style, limit), ""]
+    if len(result.deployments) > 1:
+        lines += _summary(result, style)
+    while lines and not lines[-1]:
+        lines.pop()
+    return "".join(line + "\n" for line in lines)
 
 
-def _deployment(result: DeploymentResult, style: Style) -> list[str]:
+def _deployment(result: DeploymentResult, style: Style, limit: int | None) -> list[str]:
     deployment = result.deployment
-    boards = dict.fromkeys(f"{n.board.name} ({n.board.core} at {_frequency(n.board.hertz)})" for n in deployment.nodes)
+    boards = dict.fromkeys(f"{n.board.name} ({n.board.core} at {frequency(n.board.hertz)})" for n in deployment.nodes)
     title = f"deployment {deployment.name} of {deployment.architecture.name}"
     lines = [style.paint(Role.MESSAGE, title) + (f" on {', '.join(boards)}" if boards else ""), ""]
-    lines += _codels(result, style)
+    if result.codels:
+        lines += [*format_table(CODELS, [_codel(codel) for codel in result.codels], style, limit=limit), _origins(result)]
     for node in result.nodes:
-        lines += ["", *_node(node, result, style)]
+        lines += ["", *_node(node, result, style, limit)]
+    left_out = _left_out(result)
+    if left_out:
+        lines.append(f"  without a response, as a codel has no time: {', '.join(left_out)}")
+    if any(p.priority.default or p.deadline.default for node in result.nodes for p in node.tasks.tasks):
+        lines.append("  * by default: priorities are rate monotonic, a deadline is the period")
     return [*lines, "", _verdict(result, style)]
 
 
-def _frequency(hertz: int) -> str:
+def frequency(hertz: int) -> str:
+    """A frequency in the largest unit that keeps it whole: `200 MHz`."""
     for unit, size in (("GHz", 10**9), ("MHz", 10**6), ("kHz", 10**3)):
         if hertz % size == 0:
             return f"{hertz // size} {unit}"
     return f"{hertz} Hz"
 
 
-def _codels(result: DeploymentResult, style: Style) -> list[str]:
-    columns = (
-        Column("codel"),
-        Column("cycles", Align.RIGHT),
-        Column("WCET", Align.RIGHT),
-        Column("origin"),
-        Column("function"),
-    )
-    return format_table(columns, [_codel(codel) for codel in result.codels], style)
-
-
-def _codel(codel: CodelTime) -> Row:
-    name = str(codel.plan.id)
-    if codel.time is None or codel.source is None:
-        return (name, "-", Cell("none", Role.ERROR), Cell("no bound", Role.ERROR), "")
-    cycles = codel.result.cycles if codel.result and codel.source is Source.DERIVED else None
-    origin = codel.source.value
-    function = ""
-    if codel.source is Source.DERIVED and codel.result is not None:
-        annotated = any(loop.origin is not None and loop.origin.value == "annotation" for loop in codel.result.loops)
-        origin += " with flow facts" if annotated else ""
-        function = codel.result.name
-    role = Role.PLAIN if codel.source is Source.DERIVED else Role.WARNING
-    return (name, _grouped(cycles) if cycles is not None else "", format_time(codel.time), Cell(origin, role), function)
-
-
-def _grouped(number: int) -> str:
+def grouped(number: int) -> str:
+    """A number with its thousands apart: `12 345`."""
     return f"{number:,}".replace(",", " ")
 
 
-def _node(node: NodeResult, result: DeploymentResult, style: Style) -> list[str]:
-    columns = (
-        Column("component"),
-        Column("period", Align.RIGHT),
-        Column("priority", Align.RIGHT),
-        Column("trace e1, e2, ..."),
-        Column("load", Align.RIGHT),
-        Column("WCRT", Align.RIGHT),
-        Column("deadline", Align.RIGHT),
-        Column("slack", Align.RIGHT),
-        Column("verdict"),
-    )
-    rows = [_task(placed, node) for placed in node.tasks.tasks]
-    rows += [(name, "", "", "", "", "", "", "", Cell("incomplete", Role.ERROR)) for name in _left_out(node, result)]
-    lines = format_table(columns, rows, style)
-    if node.analysis is None:
-        return lines
-    others = [task for task in node.analysis.tasks if task.kind is not Kind.TASK]
-    lines += [
-        f"  {task.name} every {format_time(task.period)}: {format_time(task.demand(1))} "
-        f"({100 * float(task.load):.2f} % of the processor)"
-        for task in others
-    ]
-    total = sum(float(task.load) for task in node.analysis.tasks)
+# ---------------------------------------------------------------------------------------------------------- codels
+def _codel(codel: CodelTime) -> Row:
+    name = str(codel.plan.id)
+    result = codel.result
+    if codel.time is None or codel.source is None:
+        return (name, "", Cell("none", Role.ERROR), Cell("no bound", Role.ERROR), codel.plan.symbol if result else "")
+    if codel.source is not Source.DERIVED or result is None or result.cycles is None:
+        return (name, "", format_time(codel.time), Cell(codel.source.value, Role.WARNING), "")
+    facts = _facts(codel)
+    origin = "derived" + (f", {facts} flow fact{'' if facts == 1 else 's'}" if facts else "")
+    return (name, grouped(result.cycles), format_time(codel.time), origin, result.name)
+
+
+def _facts(codel: CodelTime) -> int:
+    """How many of the codel's loops have a bound that a person wrote."""
+    loops = codel.result.loops if codel.result else ()
+    return len({(loop.header, loop.function) for loop in loops if loop.origin is Origin.ANNOTATION})
+
+
+def _origins(result: DeploymentResult) -> str:
+    """How many codels have a time, and from where."""
+    counts = Counter("without a time" if c.time is None or c.source is None else c.source.value for c in result.codels)
+    order = (*(source.value for source in Source), "without a time")
+    parts = ", ".join(f"{counts[word]} {word}" for word in order if counts[word])
+    return f"  {len(result.codels)} codel{'' if len(result.codels) == 1 else 's'}: {parts}"
+
+
+# ------------------------------------------------------------------------------------------------------ components
+def _node(node: NodeResult, result: DeploymentResult, style: Style, limit: int | None) -> list[str]:
+    analysis = node.analysis
+    if analysis is None:
+        return [f"  node {node.tasks.node.name}: nothing to analyse"]
+    rows = [_task(placed, analysis, result.complete) for placed in node.tasks.tasks]
+    rows += [_overhead(task) for task in analysis.tasks if task.kind is not Kind.TASK]
+    total = sum(float(task.load) for task in analysis.tasks)
+    name = node.tasks.node.name
+    rows.append((Cell(f"load of {name}", Role.MESSAGE), "", "", "", "", Cell(percent(total), Role.MESSAGE), "", "", ""))
     switch = node.tasks.node.board.context_switch
-    about = f", two context switches of {format_time(switch)} per activation included" if switch else ""
-    lines.append(f"  load of {node.tasks.node.name}: {total:.3f} ({node.analysis.method.value} method{about})")
-    return lines
+    about = f"; each activation includes two context switches of {format_time(switch)}" if switch else ""
+    method = f"  response times by the {analysis.method.value} method{about}"
+    return [*format_table(COMPONENTS, rows, style, limit=limit), method]
 
 
-def _left_out(node: NodeResult, result: DeploymentResult) -> list[str]:
-    """The components of this node without a task, because a codel has no time."""
-    if node.tasks.complete or len(result.nodes) > 1:
-        return []
-    there = {instance.name for placed in node.tasks.tasks for instance in placed.instances}
+def _task(placed: PlacedTask, analysis: Analysis, complete: bool) -> Row:
+    """A component. In an incomplete deployment a response is what it is at least, and only a miss is certain."""
+    task = placed.task
+    result = analysis.result(task.name)
+    wcrt = "none" if result.wcrt is None else format_time(result.wcrt)
+    slack = "" if result.slack is None else format_time(result.slack, down=True)
+    if not result.schedulable:
+        verdict = Cell("missed", Role.ERROR)
+    elif complete:
+        verdict = Cell("holds", Role.HELP)
+    else:
+        verdict, wcrt, slack = Cell("open", Role.WARNING), f">= {wcrt}", ""
+    return (
+        task.name,
+        format_time(task.period),
+        f"{task.priority}{'*' if placed.priority.default else ''}",
+        f"{format_time(task.deadline)}{'*' if placed.deadline.default else ''}",
+        _trace(analysis.task(task.name), analysis),
+        percent(float(analysis.task(task.name).load)),
+        wcrt,
+        slack,
+        verdict,
+    )
+
+
+def _trace(task: Task, analysis: Analysis) -> str:
+    """The costs of consecutive activations, equal neighbours counted: `7ms, 6ms x2`."""
+    wanted = trace_length(task, [other for other in analysis.tasks if other.kind is Kind.TASK])
+    length = min(wanted, TRACE_LENGTH)
+    runs = [(cost, len(list(run))) for cost, run in groupby(task.trace(length))]
+    shown = [format_time(cost) + (f" x{count}" if count > 1 else "") for cost, count in runs[:TRACE_RUNS]]
+    return ", ".join(shown) + (", ..." if len(runs) > TRACE_RUNS or length < wanted else "")
+
+
+def _overhead(task: Task) -> Row:
+    """An interrupt or the tick: it interferes and has no verdict."""
+    name = f"({task.name})"
+    return (name, format_time(task.period), "", "", format_time(task.demand(1)), percent(float(task.load)), "", "", "")
+
+
+def percent(part: float) -> str:
+    """A part of the whole: `36.6 %`."""
+    return f"{100 * part:.1f} %"
+
+
+def _left_out(result: DeploymentResult) -> list[str]:
+    """The active instances without a task."""
+    there = {i.name for node in result.nodes for placed in node.tasks.tasks for i in placed.instances}
     return [i.name for i in result.deployment.architecture.instances if i.active and i.name not in there]
 
 
-def _task(placed: PlacedTask, node: NodeResult) -> Row:
-    task = placed.task
-    priority = f"{task.priority}{'*' if placed.priority.default else ''}"
-    deadline = f"{format_time(task.deadline)}{'*' if placed.deadline.default else ''}"
-    if node.analysis is None:
-        return (task.name, format_time(task.period), priority, "", "", "", deadline, "", "incomplete")
-    result = node.analysis.result(task.name)
-    analysed = node.analysis.task(task.name)
-    length = min(TRACE_SHOWN, trace_length(task, [t for t in node.analysis.tasks if t.kind is Kind.TASK]))
-    trace = ", ".join(format_time(e) for e in analysed.trace(length))
-    load = f"{float(analysed.load):.3f}"
-    verdict = Cell("holds", Role.HELP) if result.schedulable else Cell("missed", Role.ERROR)
-    if result.wcrt is None or result.slack is None:
-        return (task.name, format_time(task.period), priority, trace, load, "none", deadline, "", verdict)
-    response = format_time(result.wcrt)
-    slack = format_time(result.slack, down=True)
-    return (task.name, format_time(task.period), priority, trace, load, response, deadline, slack, verdict)
-
-
+# --------------------------------------------------------------------------------------------------------- verdict
 def _verdict(result: DeploymentResult, style: Style) -> str:
     name = result.deployment.name
     expected = result.deployment.expect_unschedulable is not None
-    defaults = any(p.priority.default or p.deadline.default for node in result.nodes for p in node.tasks.tasks)
-    mark = "  (* by default)" if defaults else ""
-    if not result.complete:
-        return style.paint(Role.ERROR, f"{name}: incomplete, no verdict") + mark
     count = sum(len(node.tasks.tasks) for node in result.nodes)
     missed = sum(not r.schedulable for n in result.nodes if n.analysis for r in n.analysis.results)
+    if not result.complete:
+        certain = f"; {missed} of {count} deadlines missed already" if missed else ""
+        return style.paint(Role.ERROR, f"{name}: incomplete, no verdict{certain}")
     if result.holds:
-        text = f"{name}: all {count} deadlines hold, always" + (", unexpectedly" if expected else "")
-        return style.paint(Role.ERROR if expected else Role.HELP, text) + mark
+        every = "the deadline holds" if count == 1 else f"all {count} deadlines hold"
+        text = f"{name}: {every}, always" + (", unexpectedly" if expected else "")
+        return style.paint(Role.ERROR if expected else Role.HELP, text)
     text = f"{name}: {missed} of {count} deadlines missed" + (", as expected" if expected else "")
-    return style.paint(Role.NOTE if expected else Role.ERROR, text) + mark
+    return style.paint(Role.NOTE if expected else Role.ERROR, text)
+
+
+def _summary(result: CheckResult, style: Style) -> list[str]:
+    """The last line: how many deployments have the verdict that the model asks for."""
+    count = len(result.deployments)
+    good = sum(deployment.as_expected for deployment in result.deployments)
+    if good == count:
+        return [style.paint(Role.HELP, f"{count} deployments: each as it should be")]
+    bad = ", ".join(d.deployment.name for d in result.deployments if not d.as_expected)
+    return [style.paint(Role.ERROR, f"{count} deployments: {count - good} not as it should be: {bad}")]

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from mauve.model.print import format_model
-from mauve.pipeline import CheckResult, DeploymentResult
 from mauve.syntax.print import format_ast
 from mauve.timing.psm import format_psm
 from mauve.timing.task import Kind, trace_length
 from mauve.units import format_time
+from mauve.verdict.result import CheckResult, DeploymentResult
 
 
 def emit(stage: str, result: CheckResult) -> str:
@@ -36,7 +36,7 @@ def _machines(result: DeploymentResult) -> Iterator[str]:
     yield f"deployment {result.deployment.name}"
     for machines in result.machines.values():
         for machine in machines or ():
-            yield format_psm(machine.psm)
+            yield format_psm(machine.psm, format_time)
 
 
 def _traces(result: DeploymentResult) -> Iterator[str]:
@@ -78,7 +78,10 @@ def _graphs(result: CheckResult) -> Iterator[str]:
             binary = load(codel.binary)
             if isinstance(binary, ElfProblem):
                 continue
-            for key, cfg in build_program(binary, codel.result.address).items():
+            function = binary.function(f"{codel.result.address:#x}")
+            if isinstance(function, ElfProblem):
+                continue
+            for key, cfg in build_program(binary, function.key).items():
                 if (codel.binary, key) not in shown:
                     shown.add((codel.binary, key))
                     yield format_cfg(cfg)

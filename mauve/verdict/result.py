@@ -1,0 +1,58 @@
+"""What a check found, as data: codels, tasks and responses of each deployment, and the verdict.
+
+The pipeline makes these, the reports show them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from mauve.diagnostics.diagnostic import Report
+from mauve.lower.codels import CodelTime
+from mauve.lower.machines import Machine
+from mauve.lower.tasks import NodeTasks
+from mauve.model.model import Deployment, Model
+from mauve.syntax.ast import Module
+from mauve.timing.response import Analysis
+
+
+@dataclass(frozen=True, slots=True)
+class NodeResult:
+    """One processor: its tasks and their responses (None where a task is missing)."""
+
+    tasks: NodeTasks
+    analysis: Analysis | None
+
+
+@dataclass(frozen=True, slots=True)
+class DeploymentResult:
+    """One deployment. `complete` says that every codel has a time and every task a place; `holds` that it is complete
+    and every deadline is proven. Where it is not complete, the responses leave the missing work out: they are not
+    bounds yet, and can only grow."""
+
+    deployment: Deployment
+    codels: tuple[CodelTime, ...]
+    machines: Mapping[str, tuple[Machine, ...] | None]
+    nodes: tuple[NodeResult, ...]
+    complete: bool
+    holds: bool
+
+    @property
+    def as_expected(self) -> bool:
+        """Whether the verdict is the one that the model asks for."""
+        return self.complete and self.holds == (self.deployment.expect_unschedulable is None)
+
+
+@dataclass(frozen=True, slots=True)
+class CheckResult:
+    """Everything a check produced, stage by stage. `deployments` is empty when the model is in error."""
+
+    path: str
+    modules: tuple[Module, ...]
+    model: Model | None
+    deployments: tuple[DeploymentResult, ...]
+
+    def passes(self, report: Report) -> bool:
+        """Whether the input is free of errors and every deployment has the verdict it asks for."""
+        return not report.has_errors and all(deployment.as_expected for deployment in self.deployments)
