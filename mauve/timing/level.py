@@ -27,7 +27,8 @@ class Interference:
     """What a set of tasks demands in a window, flattened for speed: constants, jittered constants, curves.
 
     The number of jobs of a workload with a period P of its own, a multiple of its task's T, is
-    ceil(ceil((x + J) / T) T / P) = ceil((x + J) / P), so each workload counts by itself.
+    ceil(ceil((x + J) / T) T / P) = ceil((x + J) / P), so each workload counts by itself. `load` sums the
+    long-run loads, `floor` the loads that no window falls below, `offset` the floors x jitters.
     """
 
     plain: list[tuple[int, int]] = field(default_factory=list)
@@ -35,12 +36,13 @@ class Interference:
     curved: list[tuple[Callable[[int], int], int, int]] = field(default_factory=list)
     tasks: list[Task] = field(default_factory=list)
     load: float = 0.0
+    floor: float = 0.0
     offset: float = 0.0
 
     def copy(self) -> Interference:
         """An independent copy, to which tasks can be added."""
         return Interference(
-            self.plain[:], self.shifted[:], self.curved[:], self.tasks[:], self.load, self.offset
+            self.plain[:], self.shifted[:], self.curved[:], self.tasks[:], self.load, self.floor, self.offset
         )
 
     def add(self, task: Task) -> None:
@@ -56,18 +58,19 @@ class Interference:
                 self._add_constant(curve.cost, period, jitter)
             else:
                 self.curved.append((curve.total, period, jitter))
-                self._weigh(_as_float(curve.mean) / period, jitter)
+                self._weigh(_as_float(curve.mean) / period, _as_float(curve.floor) / period, jitter)
 
     def _add_constant(self, cost: int, period: int, jitter: int) -> None:
         if jitter:
             self.shifted.append((cost, period, jitter))
         else:
             self.plain.append((cost, period))
-        self._weigh(cost / period, jitter)
+        self._weigh(cost / period, cost / period, jitter)
 
-    def _weigh(self, load: float, jitter: int) -> None:
+    def _weigh(self, load: float, floor: float, jitter: int) -> None:
         self.load += load
-        self.offset += load * jitter
+        self.floor += floor
+        self.offset += floor * jitter
 
     def demand(self, window: int) -> int:
         """The work released in a half-open window of this length, from a synchronous release on."""
@@ -123,9 +126,10 @@ def finish(interference: Interference, base: int, start: int, budget: Budget, ab
     at = start or base + interference.demand(1)
     if at == 0:
         return 0
-    room = 1.0 - interference.load
+    room = 1.0 - interference.floor
     if room > NEAR_ONE:
-        # Every E_j(n) >= n x mean, so w >= (base + sum U_j J_j) / (1 - U); the factor outweighs the float's error.
+        # Every E_j(n) >= n f_j, so w >= (base + sum F_j J_j) / (1 - F) with F_j = f_j / T_j and F their sum; the
+        # factor outweighs the float's error.
         at = max(at, int((base + interference.offset) / room * (1 - 1e-7)))
     while budget.steps > 0:
         if above is not None and at > above:

@@ -49,6 +49,11 @@ class Curve(ABC):
     def mean(self) -> Fraction:
         """The long-run cost per job: the limit of E(l) / l."""
 
+    @property
+    def floor(self) -> Fraction:
+        """The greatest f with E(l) >= f l for every l: the mean, for a curve that is subadditive throughout."""
+        return self.mean
+
     @abstractmethod
     def repeat(self) -> Repeat | None:
         """The law by which the curve repeats, if it is proven; this may grow the curve."""
@@ -107,6 +112,11 @@ class TableCurve(Curve):
     def mean(self) -> Fraction:
         """E(H) / H, the slope of the extension."""
         return Fraction(self.values[-1], len(self.values) - 1)
+
+    @property
+    def floor(self) -> Fraction:
+        """The least E(l) / l of the table, which may lie below the slope of the extension."""
+        return min(Fraction(total, jobs) for jobs, total in enumerate(self.values) if jobs)
 
     def repeat(self) -> Repeat:
         """It repeats by construction."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import random
 from dataclasses import dataclass
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +13,7 @@ from hypothesis import strategies as st
 
 from mauve.timing.psm import Psm, PsmTransition, make_psm
 from mauve.timing.task import Task, Workload, constant, frames, machine, table
-from mauve.timing.traces import ConstantCurve, FramesCurve, PsmCurve
+from mauve.timing.traces import ConstantCurve, FramesCurve, PsmCurve, TableCurve
 
 from .test_psm import psms
 
@@ -63,13 +64,16 @@ def systems(draw: st.DrawFn, jitter: bool = True, overhead: bool = True, size: i
     for number in range(draw(st.integers(1, size))):
         period = draw(st.integers(4, 24))
         name = f"t{number}"
-        match draw(st.sampled_from(["psm", "psm", "constant", "frames", "two", "slow"])):
+        match draw(st.sampled_from(["psm", "psm", "constant", "frames", "table", "two", "slow"])):
             case "psm":
                 work: tuple[Workload, ...] = (machine(draw(psms(max_states=4, max_cost=7))),)
             case "constant":
                 work = (constant(name, draw(st.integers(0, 7))),)
             case "frames":
                 work = (frames(name, draw(st.lists(st.integers(0, 7), min_size=1, max_size=3))),)
+            case "table":
+                steps = draw(st.lists(st.integers(0, 5), min_size=1, max_size=4))
+                work = (table(name, [sum(steps[:n]) for n in range(1, len(steps) + 1)]),)
             case "two":
                 work = (machine(draw(psms(max_states=3, max_cost=4))), constant("b", draw(st.integers(0, 3))))
             case _:
@@ -115,6 +119,9 @@ def _run(part: Workload, length: int, rng: random.Random) -> list[int]:
     if isinstance(curve, FramesCurve):
         start = rng.randrange(len(curve.frames))
         return [curve.frames[(start + n) % len(curve.frames)] for n in range(length)]
+    if isinstance(curve, TableCurve):
+        # Jobs that all cost the least step of the table: no stretch of them costs more than it says.
+        return [min(later - earlier for earlier, later in pairwise(curve.values))] * length
     assert isinstance(curve, PsmCurve)
     state, costs = curve.psm.initial, []
     for step in range(-rng.randrange(6), length):

@@ -326,6 +326,11 @@ def test_the_methods_are_ordered(tasks: list[Task]) -> None:
             assert sporadic[name] is None or value <= sporadic[name]  # type: ignore[operator]
 
 
+def test_a_table_below_its_own_slope_still_gives_the_least_fixed_point() -> None:
+    tasks = [task("a", 2, 10, table("a", (6, 6, 6, 20))), task("b", 1, 100, 17)]
+    assert responses(tasks)["b"] == 23
+
+
 def test_a_table_of_consecutive_jobs_is_a_workload() -> None:
     assert responses([task("a", 2, 10, table("a", (6, 8, 14))), task("b", 1, 30, 7)]) == {"a": 6, "b": 15}
 
