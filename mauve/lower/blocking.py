@@ -11,7 +11,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 from mauve.lower.calls import services, uses
-from mauve.model.model import Deployment, Instance
+from mauve.model.model import CodelId, Deployment, Instance
 
 
 @dataclass(frozen=True, slots=True)
@@ -24,7 +24,7 @@ class Section:
     length: int
 
 
-def sections(instances: Iterable[Instance], deployment: Deployment, times: Mapping[object, int]) -> tuple[Section, ...]:
+def sections(instances: Iterable[Instance], deployment: Deployment, times: Mapping[CodelId, int]) -> tuple[Section, ...]:
     """The critical sections that the task of these instances enters, one per provider, the longest of each."""
     connected = services(deployment.architecture)
     longest: dict[str, Section] = {}

@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 from mauve.diagnostics.diagnostic import Diagnostic, Fix, Label, Report, Severity
 from mauve.lower.blocking import Section, blocking, sections
 from mauve.lower.machines import Machine
-from mauve.model.model import Deployment, Instance, Node, Setting, Thread
+from mauve.model.model import CodelId, Deployment, Instance, Node, Setting, Thread
 from mauve.model.periods import common_period
 from mauve.model.priorities import rate_monotonic
 from mauve.model.threads import PORTS, placement
@@ -47,7 +47,7 @@ Machines = Mapping[str, tuple[Machine, ...] | None]
 
 
 def task_sets(
-    deployment: Deployment, machines: Machines, times: Mapping[object, int], report: Report
+    deployment: Deployment, machines: Machines, times: Mapping[CodelId, int], report: Report
 ) -> tuple[NodeTasks, ...]:
     """The task set of each node. What cannot be placed is reported (MV407) or left out."""
     threaded = any(node.threads for node in deployment.nodes)
@@ -196,7 +196,7 @@ def _prioritised(
 
 
 def _with_blocking(
-    placed: list[PlacedTask], deployment: Deployment, times: Mapping[object, int]
+    placed: list[PlacedTask], deployment: Deployment, times: Mapping[CodelId, int]
 ) -> tuple[PlacedTask, ...]:
     holders = [replace(one, sections=sections(one.instances, deployment, times)) for one in placed]
     views = [(one.task.priority, one.sections) for one in holders]
