@@ -171,7 +171,7 @@ class _Program:
         def ranking(loop: Loop, record: Record) -> tuple[int, str] | None:
             from mauve.wcet.flow.ranking import bound_by_ranking
 
-            found = bound_by_ranking(cfg, nest, loop, LoopValues(record, loop.id, self.image.owns))
+            found = bound_by_ranking(cfg, nest, loop, LoopValues(record, loop.id, self.image))
             return None if found is None else (found.bound, found.method)
 
         given: dict[int, LoopBound] = {}

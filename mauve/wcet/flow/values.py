@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 from mauve.wcet.flow.domain import MODULUS, SIGN, Range
 from mauve.wcet.flow.execute import Record
 from mauve.wcet.flow.linear import FRAME
 from mauve.wcet.flow.locations import ANY, Base, Cell, Interval, Location, Region, whole
 from mauve.wcet.flow.state import ABSOLUTE, State
+from mauve.wcet.flow.transfer import Image
 
 
 def interval(known: Range) -> Interval:
@@ -24,11 +23,11 @@ def interval(known: Range) -> Interval:
 class LoopValues:
     """EntryValues of one loop, from the header that a pass found for it."""
 
-    def __init__(self, record: Record, loop: int, tracked: Callable[[int], bool]) -> None:
+    def __init__(self, record: Record, loop: int, image: Image) -> None:
         header = record.headers.get(loop)
         self._entry = None if header is None else header.entry
         self._any = None if header is None else header.state
-        self._record, self._tracked = record, tracked
+        self._record, self._image = record, image
 
     def on_entry(self, location: Location) -> Interval:
         """The value when control comes to the header from outside the loop."""
@@ -51,7 +50,11 @@ class LoopValues:
 
     def tracked(self, cell: Cell) -> bool:
         """Memory of the binary changes only by its own code (a listed assumption); other addresses may be devices."""
-        return cell.base is Base.ABSOLUTE and self._tracked(cell.offset)
+        return cell.base is Base.ABSOLUTE and self._image.constant(cell.offset, 0) is not None
+
+    def constant(self, cell: Cell) -> int | None:
+        """Read-only data."""
+        return self._image.constant(cell.offset, cell.size) if cell.base is Base.ABSOLUTE else None
 
 
 def _value(state: State | None, location: Location) -> Interval:
