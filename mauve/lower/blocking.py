@@ -24,7 +24,9 @@ class Section:
     length: int
 
 
-def sections(instances: Iterable[Instance], deployment: Deployment, times: Mapping[CodelId, int]) -> tuple[Section, ...]:
+def sections(
+    instances: Iterable[Instance], deployment: Deployment, times: Mapping[CodelId, int]
+) -> tuple[Section, ...]:
     """The critical sections that the task of these instances enters, one per provider, the longest of each."""
     connected = services(deployment.architecture)
     longest: dict[str, Section] = {}

@@ -7,18 +7,17 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from mauve.diagnostics.diagnostic import Diagnostic, Label, Report, Severity
+from mauve.diagnostics.diagnostic import Diagnostic, Label, Report
 from mauve.lower.codels import CodelPlan, derivable, has_fallback
 from mauve.lower.platform import flow_facts, wcet_board
 from mauve.model.model import Binary, CodelId, Deployment, Interrupt, Node
-from mauve.source import SourceFile, Span
 from mauve.verdict.binaries import note_diagnostics, problem_diagnostic, unreadable
+from mauve.verdict.facts import read_facts
 from mauve.verdict.stale import check_stale
 from mauve.wcet.result import ProblemKind, WcetResult
 
 if TYPE_CHECKING:
     from mauve.wcet.cache import Cache
-    from mauve.wcet.flow.facts import Fact
 
 
 @dataclass(frozen=True, slots=True)
@@ -97,40 +96,12 @@ def _analyse(
 ) -> tuple[WcetResult, ...]:
     from mauve.wcet.analysis import analyse
 
-    facts = flow_facts(binary) + _fact_files(binary, report)
+    written = (fact for path, span in binary.fact_files for fact in read_facts(path, span, report))
+    facts = (*flow_facts(binary), *written)
     results = analyse(binary.path, symbols, wcet_board(node.board), facts, cache=cache)
     for diagnostic in note_diagnostics(results, binary):
         report.add(diagnostic)
     return results
-
-
-def _fact_files(binary: Binary, report: Report) -> tuple[Fact, ...]:
-    """The flow facts of OTAWA files, their errors reported at the place in the .ff file."""
-    if not binary.fact_files:
-        return ()
-    from mauve.wcet.flow.otawa import parse_facts
-
-    facts: list[Fact] = []
-    for path, span in binary.fact_files:
-        try:
-            text = Path(path).read_text(encoding="utf-8")
-        except (OSError, UnicodeDecodeError) as error:
-            reason = error.strerror if isinstance(error, OSError) else "it is not UTF-8 text"
-            message = f"the flow facts `{path}` cannot be read: {reason}"
-            report.add(Diagnostic("MV516", message, Label(span)))
-            continue
-        parsed = parse_facts(text, path)
-        file = SourceFile(path, text)
-        for problem in parsed.problems:
-            report.add(_fact_problem(file, problem.line, problem.column, problem.message, problem.is_error))
-        facts += parsed.facts
-    return tuple(facts)
-
-
-def _fact_problem(file: SourceFile, line: int, column: int, message: str, is_error: bool) -> Diagnostic:
-    start = min(file.line_starts[min(line, len(file.line_starts)) - 1] + column - 1, len(file.text))
-    span = Span(file, start, min(start + 1, len(file.text)))
-    return Diagnostic("MV516", message, Label(span), Severity.ERROR if is_error else Severity.NOTE)
 
 
 def _report_handler(interrupt: Interrupt, result: WcetResult, binary: Binary, report: Report) -> None:
