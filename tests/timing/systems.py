@@ -72,7 +72,7 @@ def systems(draw: st.DrawFn, jitter: bool = True, overhead: bool = True, size: i
             case "frames":
                 work = (frames(name, draw(st.lists(st.integers(0, 7), min_size=1, max_size=3))),)
             case "table":
-                steps = draw(st.lists(st.integers(0, 5), min_size=1, max_size=4))
+                steps = sorted(draw(st.lists(st.integers(0, 5), min_size=1, max_size=4)), reverse=True)
                 work = (table(name, [sum(steps[:n]) for n in range(1, len(steps) + 1)]),)
             case "two":
                 work = (machine(draw(psms(max_states=3, max_cost=4))), constant("b", draw(st.integers(0, 3))))
