@@ -117,6 +117,8 @@ class Binary:
     constant: tuple[Span, ...] = field(repr=False)
     stripped: bool = False
     mapping: tuple[tuple[int, Content], ...] = field(default=(), repr=False)
+    contents: bytes = field(default=b"", repr=False)
+    """the whole file, for its debug information"""
     _by_name: dict[str, tuple[Symbol, ...]] = field(default_factory=dict, repr=False)
     _by_address: dict[int, Symbol] = field(default_factory=dict, repr=False)
     _starts: tuple[int, ...] = field(default=(), repr=False)
@@ -429,7 +431,7 @@ def _binary(
     return Binary(
         name, hashlib.sha256(data).hexdigest(), entry, e_flags, tuple(sorted(segments, key=lambda s: s.address)),
         tuple(functions), tuple(sorted(objects, key=lambda s: s.address)), tuple(labels), constant,
-        not functions and not labels, marks, {k: tuple(v) for k, v in by_name.items()}, by_address,
+        not functions and not labels, marks, data, {k: tuple(v) for k, v in by_name.items()}, by_address,
         tuple(sorted(by_address)), tuple(address for address, _ in marks),
     )  # fmt: skip
 
@@ -438,3 +440,52 @@ def _with_state(label: Symbol, marks: tuple[tuple[int, Content], ...]) -> Symbol
     at = bisect.bisect_right(marks, label.address, key=lambda mark: mark[0]) - 1
     thumb = at >= 0 and marks[at][1] is Content.THUMB
     return Symbol(label.name, label.address & ~1, label.size, label.bind, thumb, typed=False)
+
+
+# ---------------------------------------------------------------------------------------------------- debug information
+@dataclass(frozen=True, slots=True)
+class Unit:
+    """A compiled source: its name and the directory of the compilation, as the compiler wrote them."""
+
+    name: str
+    directory: str
+
+
+def debug_sections(binary: Binary, names: tuple[str, ...]) -> dict[str, bytes]:
+    """The contents of sections, unpacked where compressed; those that are missing or damaged are left out."""
+    import io
+
+    from elftools.elf.elffile import ELFFile
+
+    found: dict[str, bytes] = {}
+    try:
+        elf = ELFFile(io.BytesIO(binary.contents))
+        for name in names:
+            section = elf.get_section_by_name(name)
+            if section is not None:
+                found[name] = bytes(section.data())
+    except Exception:  # damaged: pyelftools raises many kinds
+        return found
+    return found
+
+
+def debug_units(binary: Binary) -> tuple[Unit, ...]:
+    """The compilation units named in .debug_info, as far as it can be read."""
+    import io
+
+    from elftools.elf.elffile import ELFFile
+
+    units: dict[Unit, None] = {}
+    try:
+        elf = ELFFile(io.BytesIO(binary.contents))
+        if not elf.has_dwarf_info():
+            return ()
+        for unit in elf.get_dwarf_info().iter_CUs():
+            attributes = unit.get_top_DIE().attributes
+            texts = [attributes[key].value if key in attributes else b"" for key in ("DW_AT_name", "DW_AT_comp_dir")]
+            name, directory = (t.decode("utf-8", "replace") if isinstance(t, bytes) else "" for t in texts)
+            if name:
+                units[Unit(name, directory)] = None
+    except Exception:  # damaged: pyelftools raises many kinds
+        return tuple(units)
+    return tuple(units)

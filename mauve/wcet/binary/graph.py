@@ -92,7 +92,9 @@ class Unresolved:
 @dataclass(frozen=True, slots=True)
 class Cfg:
     """A function. Invariants: edges name existing blocks or EXIT; every block is reachable from `entry`; blocks do not overlap
-    in the addresses of their instructions; `entry` has the function's address."""
+    in the addresses of their instructions; `entry` has the function's address. A function whose first bytes are no instruction
+    has no blocks, and an `unresolved` that says so. Splitting irreducible regions adds copies of blocks: then several blocks may
+    have the same instructions, and ids do not follow addresses."""
 
     name: str
     address: int

@@ -183,6 +183,8 @@ def loop_nest(cfg: Cfg) -> LoopNest:
     An edge u -> v is a back edge when v dominates u. What is still cyclic without the back edges is entered in more than one
     place: each such strongly connected component is one irreducible region.
     """
+    if not cfg.blocks:
+        return LoopNest(())
     following = successors(cfg)
     intervals = dominator_intervals(immediate_dominators(following, cfg.entry), cfg.entry)
     back: dict[int, list[int]] = {}

@@ -39,7 +39,7 @@ from mauve.wcet.binary.microop import (
 )
 from mauve.wcet.binary.terms import MASK, Flags, Terms, concrete
 
-TABLE_LIMIT = 4096
+TABLE_LIMIT = 1024
 """The most targets that one jump may have."""
 _PATHS, _LENGTH = 96, 300
 
