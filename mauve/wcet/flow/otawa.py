@@ -1,8 +1,8 @@
 """Flow facts from OTAWA's .ff files.
 
-A file is a list of statements, each ended by a semicolon; `//` and `#` start a comment up to the end of the line, `/* */`
-encloses one. An address is a number, `"symbol"`, `"symbol" + offset` (or - offset), or `"file":line`. Numbers are decimal,
-hexadecimal (0x), octal (leading 0) or binary (0b). A `?` stands where a tool left a number to be filled in.
+A file is a list of statements, each ended by a semicolon; `//` and `#` start a comment up to the end of the line,
+`/* */` encloses one. An address is a number, `"symbol"`, `"symbol" + offset` (or - offset), or `"file":line`. Numbers
+are decimal, hexadecimal (0x), octal (leading 0) or binary (0b). A `?` stands where a tool left a number to be filled in.
 
 What `loop ADDRESS max N` counts: passes along back edges, per entry of the loop. That is how OTAWA constrains its
 problem, so a loop may run its header N + 1 times, whether the compiler left the test at its top or turned it around.
@@ -53,8 +53,8 @@ class FfFile:
 
 
 def parse_facts(text: str, name: str = "") -> FfFile:
-    """Read the text of a .ff file; `name` is its path, for `Fact.written`. Never raises: errors are located problems, and
-    reading goes on behind the next semicolon."""
+    """Read the text of a .ff file; `name` is its path, for `Fact.written`. Never raises: errors are located problems,
+    and reading goes on behind the next semicolon."""
     parser = _Parser(text, PurePath(name).name or name)
     parser.run()
     return FfFile(tuple(parser.facts), tuple(parser.problems))
@@ -66,9 +66,15 @@ _TOKEN = re.compile(
       | (?P<string>"[^"\n]*")
       | (?P<number>0[xX][0-9a-fA-F]+|0[bB][01]+|\d+)(?![A-Za-z0-9_])
       | (?P<word>[A-Za-z_][A-Za-z0-9_]*)
-      | (?P<mark>\.\.|[;:,+\-=?()\[\]{}*.])
+      | (?P<mark>\.\.|[;:,+\-=?()\[\]{}*./])
     """,
     re.VERBOSE | re.DOTALL,
+)
+
+
+_STATEMENTS = frozenset(
+    "loop noreturn return nocall multibranch multicall checksum noblock doinline noinline ignorecontrol preserve memory"
+    " register force ignore".split()
 )
 
 
@@ -88,7 +94,7 @@ def _tokens(text: str) -> Iterator[_Token]:
             if text.startswith("/*", offset):
                 end = len(text)
             elif text[offset] == '"':
-                end = text.find("\n", offset) if "\n" in text[offset:] else len(text)
+                end = offset + len(text[offset:].split("\n", 1)[0].split(";", 1)[0])
             yield _Token("bad", text[offset:end], offset)
             offset = end
             continue
@@ -154,8 +160,14 @@ class _Parser:
             raise _Unreadable(self.here, f"expected `{text}` instead of {_shown(self.here)}")
 
     def _skip(self) -> None:
+        """Go on behind the next semicolon, or where a line begins with a statement that was not begun yet."""
         while self.here.kind != "end" and not self._take(";"):
+            if self.here.text.lower() in _STATEMENTS and self._begins_line(self.here):
+                return
             self.at += 1
+
+    def _begins_line(self, token: _Token) -> bool:
+        return self.at > 0 and not self.text[self.text.rfind("\n", 0, token.offset) + 1 : token.offset].strip()
 
     def _report(self, token: _Token, message: str, is_error: bool = True) -> None:
         line = self.text.count("\n", 0, token.offset) + 1

@@ -61,14 +61,13 @@ def analyse_frame(cfg: Cfg, effects: Mapping[int, CallEffects]) -> Frame:
     leaving: dict[int, list[int]] = {}
     for index, edge in enumerate(cfg.edges):
         leaving.setdefault(edge.source, []).append(index)
-    stores: dict[tuple[int, int], StoreTarget] = {}
     escapes = False
     work = [cfg.entry]
     while work:
         block = work.pop()
         here = at[block].copy()
         for instruction in cfg.blocks[block].instructions:
-            escapes |= _instruction(instruction, here, stores)
+            escapes |= _instruction(instruction, here, {})
         for index in leaving.get(block, ()):
             edge = cfg.edges[index]
             after = here
@@ -85,7 +84,22 @@ def analyse_frame(cfg: Cfg, effects: Mapping[int, CallEffects]) -> Frame:
             elif at[edge.target].join(after) and edge.target not in work:
                 work.append(edge.target)
     offsets = tuple(at[b.id].known if b.id in at else {} for b in cfg.blocks)
-    return Frame(offsets, stores, escapes)
+    return Frame(offsets, _all_stores(cfg, at), escapes)
+
+
+def _all_stores(cfg: Cfg, at: Mapping[int, _Pointers]) -> dict[tuple[int, int], StoreTarget]:
+    """What each store may touch, at the fixed point; copies of an instruction in several blocks are taken together."""
+    stores: dict[tuple[int, int], StoreTarget] = {}
+    for block, pointers in at.items():
+        here = pointers.copy()
+        found: dict[tuple[int, int], StoreTarget] = {}
+        for instruction in cfg.blocks[block].instructions:
+            _instruction(instruction, here, found)
+        for key, target in found.items():
+            other = stores.get(key, target)
+            same = target if target == other else StoreTarget(None, target.frame or other.frame)
+            stores[key] = same
+    return stores
 
 
 def _forget(pointers: _Pointers, register: int) -> None:

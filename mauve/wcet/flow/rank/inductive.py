@@ -12,12 +12,14 @@ from mauve.wcet.flow.rank.paths import Program, State, summarise_loop
 from mauve.wcet.flow.rank.problem import Problem, pose
 from mauve.wcet.flow.rank.terms import Var, meet
 
-_EXACT_ROUNDS = 6
+_EXACT_ROUNDS = 4
+MOST_PASSES = 6
 
 
 def inductive(program: Program, loop: Loop, entries: list[State]) -> Mapping[Location, Interval]:
     """Intervals of variables at the header of `loop`, entered in `entries`. Uses no value analysis but this."""
-    problem = pose(program, summarise_loop(program, loop), [state.copy() for state in entries])
+    passes = summarise_loop(program, loop)
+    problem = pose(program, passes, [state.copy() for state in entries])
     if not problem.passes or not problem.entries:
         return {}
     return inductive_of(problem)
@@ -30,7 +32,7 @@ def inductive_of(problem: Problem) -> Mapping[Location, Interval]:
     widening has become stable; E join F(X) of such an X is again one, so narrowing keeps that.
     """
     engine = Engine(problem)
-    if not 0 < len(engine.measures) <= MOST_MEASURES:
+    if not 0 < len(engine.measures) <= MOST_MEASURES or len(problem.passes) > MOST_PASSES:
         return {}
     entry = engine.start()
     current = entry

@@ -24,6 +24,7 @@ from mauve.wcet.flow.rank.terms import (
 )
 
 MOST_STEPS = 160
+"""steps times passes"""
 MOST_MEASURES = 10
 
 
@@ -52,7 +53,7 @@ def iterate(problem: Problem) -> int | None:
     if not 0 < len(engine.measures) <= MOST_MEASURES:
         return None
     current = engine.start()
-    for steps in range(MOST_STEPS):
+    for steps in range(max(MOST_STEPS // len(problem.passes), 1)):
         following = engine.step(current)
         if following is None:
             return steps
@@ -135,7 +136,7 @@ def _step(
     try:
         for measure, values in zip(measures, current, strict=True):
             knowledge.narrow(measure, values)
-        learn(knowledge, problem.passes[index].known)
+        learn(knowledge, problem.passes[index].known, 1)
     except Contradiction:
         return None
     ranges = _with_distances(knowledge, distances)

@@ -65,6 +65,8 @@ from mauve.wcet.flow.rank.terms import (
     variable,
 )
 
+FEW_PASSES = 6
+"""More passes than this through a loop are summarised again, coarsely."""
 MOST_STATES = 16
 """States kept apart at one block."""
 
@@ -168,12 +170,22 @@ def initial_state(program: Program, block: int) -> State:
 def summarise_loop(program: Program, loop: Loop) -> list[State]:
     """The states at the ends of the back edges of `loop`, in terms of the values at the start of its header."""
     if loop.header not in program.summaries:
-        states: list[State] = []
-        for edge, state in _walk(program, loop.header, loop.blocks, initial_state(program, loop.header), None):
-            if edge in loop.back_edges:
-                states.append(state)
-        program.summaries[loop.header] = _merged(program, states, program.live[loop.header])
+        states = _passes(program, loop)
+        if len(states) > FEW_PASSES and not program.coarse:
+            program.joined, program.coarse = True, True
+            coarse = _passes(program, loop)
+            program.coarse = False
+            states = coarse if len(coarse) < len(states) else states
+        program.summaries[loop.header] = states
     return [state.copy() for state in program.summaries[loop.header]]
+
+
+def _passes(program: Program, loop: Loop) -> list[State]:
+    states: list[State] = []
+    for edge, state in _walk(program, loop.header, loop.blocks, initial_state(program, loop.header), None):
+        if edge in loop.back_edges:
+            states.append(state)
+    return _merged(program, states, program.live[loop.header])
 
 
 def entry_states(program: Program) -> dict[int, list[State]]:

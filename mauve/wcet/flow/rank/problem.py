@@ -30,6 +30,7 @@ from mauve.wcet.flow.rank.terms import (
     subtract,
 )
 
+MOST_RELATIONS, DEEPEST_RELATION = 14, 12
 MOST = 1 << 20
 """A greater number of passes only says how wide a type is, and counts as none."""
 
@@ -90,6 +91,7 @@ def pose(
     known: list[Knowledge] = []
     for state in passes:
         _eliminate(state)
+        state.known = _telling(state.known)
         try:
             known.append(learn(Knowledge(ranges), state.known))
             kept.append(state)
@@ -102,6 +104,12 @@ def pose(
         except Contradiction:
             continue
     return Problem(program, ranges, entry_ranges, kept, known, possible)
+
+
+def _telling(known: frozenset[Relation]) -> frozenset[Relation]:
+    """The simplest relations: arguments get slow with many and learn nothing from deep terms."""
+    small = [r for r in known if r.a.size + r.b.size <= DEEPEST_RELATION]
+    return frozenset(sorted(small, key=lambda r: (r.a.size + r.b.size, str(r)))[:MOST_RELATIONS])
 
 
 def _eliminate(state: State) -> None:

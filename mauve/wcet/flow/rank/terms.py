@@ -325,9 +325,8 @@ def meet(a: Interval, b: Interval) -> Interval:
 
     An empty common part means that no execution comes here; the answer is then one of the two.
     """
-    best = min(a, b, key=lambda i: i.high - i.low)
-    for reading in ("unsigned", "signed"):
-        (al, ah), (bl, bh) = getattr(a, reading), getattr(b, reading)
+    best = a if a.high - a.low <= b.high - b.low else b
+    for (al, ah), (bl, bh) in ((a.unsigned, b.unsigned), (a.signed, b.signed)):
         low, high = max(al, bl), min(ah, bh)
         if low <= high and high - low < best.high - best.low:
             best = interval(low, high)
