@@ -19,6 +19,7 @@ from mauve.wcet.result import Problem, ProblemKind, WcetResult
 
 if TYPE_CHECKING:
     from mauve.wcet.binary.elf import Binary, ElfProblem
+    from mauve.wcet.binary.lines import LineTable
 
 
 def analyse(
@@ -53,6 +54,7 @@ def analyse_each(
     """`analyse`, one result at a time as they come."""
     data, identity = _bytes(binary)
     loaded: Binary | Problem | None = None
+    lines: LineTable | None = None
     for function in functions:
         key = None
         if cache is not None and identity is not None:
@@ -67,7 +69,8 @@ def analyse_each(
         if isinstance(loaded, Problem):
             result = _failed(function, None, loaded)
         else:
-            result = _analyse_one(loaded, function, board, tuple(facts), initial_data, timeout)
+            lines = lines or _lines(loaded)
+            result = _analyse_one(loaded, function, board, tuple(facts), initial_data, timeout, lines)
         result = replace(result, seconds=time.perf_counter() - started)
         # Time or size ended it: another run may come further.
         gave_up = any(problem.kind is ProblemKind.LIMIT for problem in result.problems)
@@ -83,6 +86,7 @@ def _analyse_one(
     facts: tuple[Fact, ...],
     initial_data: bool,
     timeout: float | None,
+    lines: LineTable,
 ) -> WcetResult:
     """One function, from its symbol to its result."""
     from mauve.wcet.assemble import assemble
@@ -94,14 +98,14 @@ def _analyse_one(
 
     symbol = binary.function(function if isinstance(function, str) else f"{function:#x}")
     if isinstance(symbol, ElfProblem):
-        return _failed(function, None, _elf_problem(symbol))
+        return _failed(function, None, elf_problem(symbol))
     core = load_core(board.core)
     problems = board_problems(board, core)
     if core is None:
         return _failed(function, symbol.address, *problems)
     program = analyse_program(binary, symbol.key, board, facts, initial_data=initial_data, timeout=timeout)
     bounds = bound_program(program, core, board)
-    return assemble(symbol.name, program, bounds, core, board, problems, _lines(binary))
+    return assemble(symbol.name, program, bounds, core, board, problems, lines.source)
 
 
 def _bytes(binary: Binary | str | Path) -> tuple[bytes | None, str | None]:
@@ -121,10 +125,16 @@ def _load(binary: Binary | str | Path, data: bytes | None) -> Binary | Problem:
     if not isinstance(binary, (str, Path)):
         return binary
     found = load(binary) if data is None else load_bytes(data, str(binary))
-    return _elf_problem(found) if isinstance(found, ElfProblem) else found
+    return elf_problem(found) if isinstance(found, ElfProblem) else found
 
 
-def _elf_problem(problem: ElfProblem) -> Problem:
+def _lines(binary: Binary) -> LineTable:
+    from mauve.wcet.binary.lines import load_lines
+
+    return load_lines(binary)
+
+
+def elf_problem(problem: ElfProblem) -> Problem:
     """What is wrong with an executable or a symbol, as a reason for having no bound."""
     from mauve.wcet.binary.elf import ElfProblemKind
 

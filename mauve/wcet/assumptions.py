@@ -1,4 +1,4 @@
-"""What every bound assumes: listed in every result, so that nobody has to know it (semantics, section 5)."""
+"""What every bound assumes of the hardware: listed in every result, beside what flow analysis assumes of the program."""
 
 from __future__ import annotations
 
@@ -9,10 +9,7 @@ from mauve.wcet.hardware.board import Board
 from mauve.wcet.hardware.core import Core
 
 ALWAYS = (
-    "the code follows the procedure call standard (AAPCS): callee-saved registers, stack discipline, natural alignment",
-    "the stack pointer is valid at entry and the stack is not reached through arguments or globals",
-    "code is not written while it runs",
-    "pointer arguments do not point into the frames of active functions",
+    "words and halfwords are accessed at multiples of their size, as the procedure call standard (AAPCS) aligns them",
     "nothing interrupts the function: preemption and interrupts are accounted for by the schedulability analysis",
 )
 

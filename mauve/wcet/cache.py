@@ -56,7 +56,7 @@ def result_key(
 ) -> str:
     """The key of a result: the hash of the executable's hash, the function, board, facts, options and the tool
     itself."""
-    parts = (_tool(), binary, function, repr(board), repr(facts), initial_data)
+    parts = (tool_state(), binary, function, repr(board), repr(facts), initial_data)
     return sha256(json.dumps(parts).encode()).hexdigest()
 
 
@@ -73,21 +73,32 @@ class Cache:
 
     def get(self, key: str) -> WcetResult | None:
         """The result kept under a key."""
+        text = self.get_text(key)
+        if text is not None:
+            with suppress(ValueError, KeyError, TypeError):
+                return decode(json.loads(text))
+        return None
+
+    def put(self, key: str, result: WcetResult) -> None:
+        """Keep a result."""
+        self.put_text(key, json.dumps(encode(result), separators=(",", ":")))
+
+    def get_text(self, key: str) -> str | None:
+        """The text kept under a key."""
         if not self.path.is_file():
             return None
-        with suppress(sqlite3.Error, ValueError, KeyError, TypeError), closing(self._open()) as database:
+        with suppress(sqlite3.Error), closing(self._open()) as database:
             row = database.execute("SELECT value, used FROM results WHERE key = ?", (key,)).fetchone()
             if row is not None:
                 now = int(time.time())
                 if now - row[1] > REFRESH_SECONDS:
                     with suppress(sqlite3.Error), database:
                         database.execute("UPDATE results SET used = ? WHERE key = ?", (now, key))
-                return decode(json.loads(row[0]))
+                return str(row[0])
         return None
 
-    def put(self, key: str, result: WcetResult) -> None:
-        """Keep a result."""
-        text = json.dumps(encode(result), separators=(",", ":"))
+    def put_text(self, key: str, text: str) -> None:
+        """Keep a text."""
         with suppress(sqlite3.Error, OSError):
             self.path.parent.mkdir(parents=True, exist_ok=True)
             with closing(self._open()) as database, database:
@@ -105,7 +116,7 @@ class Cache:
 
 
 @lru_cache(maxsize=1)
-def _tool() -> str:
+def tool_state() -> str:
     """The version of the tool and the state of the engine's own files: a changed analysis never answers from old
     results."""
     marks = [__version__]
