@@ -11,21 +11,29 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-from mauve.diagnostics.diagnostic import Report
+from mauve.diagnostics.diagnostic import Diagnostic, Report
+from mauve.diagnostics.suggest import closest
 from mauve.lower.activation import settle
 from mauve.lower.codels import CodelTime, choose_times, plan_codels
 from mauve.lower.machines import machines
-from mauve.lower.platform import timing_platform
+from mauve.lower.platform import timing_platform, wcet_board
 from mauve.lower.tasks import NodeTasks, task_sets
+from mauve.model.boards import resolve_board
 from mauve.model.model import Deployment, Model
 from mauve.model.resolve import resolve
-from mauve.syntax.ast import DeploymentDecl, Module, String
+from mauve.syntax.ast import BoardDecl, DeploymentDecl, Module, String
 from mauve.syntax.load import load_modules, standard_module
 from mauve.timing.response import Method
 from mauve.verdict.deadlines import report_expectation, report_node
 from mauve.verdict.derive import Derivation, derive
 from mauve.verdict.result import CheckResult, DeploymentResult, NodeResult
+from mauve.wcet.result import Problem, WcetResult
+
+if TYPE_CHECKING:
+    from mauve.wcet.batch import Progress, Settings
+    from mauve.wcet.hardware.board import Board
 
 
 @dataclass(frozen=True, slots=True)
@@ -104,3 +112,58 @@ def _respond(
 def _complete(codels: Sequence[CodelTime], nodes: Sequence[NodeResult]) -> bool:
     timed = all(codel.time is not None for codel in codels)
     return bool(nodes) and timed and all(node.tasks.complete and node.analysis is not None for node in nodes)
+
+
+# ------------------------------------------------------------------------------------- functions without a model
+@dataclass(frozen=True, slots=True)
+class UnknownBoard:
+    """There is no such board; `message` says which ones there are."""
+
+    message: str
+
+
+def find_board(name: str, report: Report) -> Board | UnknownBoard | None:
+    """The board `NAME` of the standard library, or `FILE.mauve:NAME`; None where the file or the board is in error."""
+    path, separator, board = name.rpartition(":")
+    found: tuple[Module, ...]
+    if separator:
+        found = load_modules(Path(path), report)[:1]
+    else:
+        standard = standard_module("boards", report)
+        found = (standard,) if standard is not None else ()
+    if report.has_errors or not found:
+        return None
+    declared = {d.name.text: d for module in found for d in module.declarations if isinstance(d, BoardDecl)}
+    wanted = declared.get(board)
+    if wanted is None:
+        where = f"in `{path}`" if separator else "in the standard library"
+        names = closest(board, declared) or tuple(declared)
+        known = f"; there is {', '.join(f'`{near}`' for near in names)}" if names else ""
+        example = "" if separator or board in names else ", or name one of a model: FILE.mauve:BOARD"
+        return UnknownBoard(f"there is no board `{board}` {where}{known}{example}")
+    resolved = resolve_board(wanted, report)
+    return wcet_board(resolved) if resolved is not None and not report.has_errors else None
+
+
+def wcet(
+    elf: str,
+    functions: Sequence[str],
+    settings: Settings,
+    report: Report,
+    workers: int = 1,
+    progress: Progress | None = None,
+) -> tuple[WcetResult, ...]:
+    """The bounds of functions of an executable, of all with a symbol where none is named; no results where the
+    executable cannot be read."""
+    from mauve.verdict.binaries import CODES
+    from mauve.verdict.functions import function_diagnostics
+    from mauve.wcet.batch import all_functions, analyse_batch
+
+    wanted = functions or all_functions(elf)
+    if isinstance(wanted, Problem):
+        report.add(Diagnostic(CODES[wanted.kind], wanted.message, place=elf))
+        return ()
+    results = analyse_batch(elf, wanted, settings, workers, progress)
+    for diagnostic in function_diagnostics(elf, results):
+        report.add(diagnostic)
+    return results

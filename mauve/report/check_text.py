@@ -59,7 +59,8 @@ def _deployment(result: DeploymentResult, style: Style, limit: int | None) -> li
     title = f"deployment {deployment.name} of {deployment.architecture.name}"
     lines = [style.paint(Role.MESSAGE, title) + (f" on {', '.join(boards)}" if boards else ""), ""]
     if result.codels:
-        lines += [*format_table(CODELS, [_codel(codel) for codel in result.codels], style, limit=limit), _origins(result)]
+        lines += format_table(CODELS, [_codel(codel) for codel in result.codels], style, limit=limit)
+        lines.append(_origins(result))
     for node in result.nodes:
         lines += ["", *_node(node, result, style, limit)]
     left_out = _left_out(result)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 from mauve.model.print import format_model
 from mauve.syntax.print import format_ast
@@ -66,22 +66,32 @@ def _tasks(result: DeploymentResult) -> Iterator[str]:
 
 def _graphs(result: CheckResult) -> Iterator[str]:
     """The control flow graph of every codel derived from a binary, and of what it calls, each once."""
+    codels: dict[str, list[str | int]] = {}
+    for deployment in result.deployments:
+        for codel in deployment.codels:
+            if codel.binary and codel.result is not None and codel.result.address is not None:
+                codels.setdefault(codel.binary, []).append(codel.result.address)
+    for path, addresses in codels.items():
+        yield from function_graphs(path, addresses)[0]
+
+
+def function_graphs(path: str, functions: Sequence[str | int]) -> tuple[list[str], list[str]]:
+    """The texts of the graphs of functions and of what they call, each once; and why some have none."""
     from mauve.wcet.binary.callgraph import build_program
     from mauve.wcet.binary.elf import ElfProblem, load
     from mauve.wcet.binary.graph import format_cfg
 
-    shown: set[tuple[str, int]] = set()
-    for deployment in result.deployments:
-        for codel in deployment.codels:
-            if codel.result is None or codel.result.address is None or not codel.binary:
-                continue
-            binary = load(codel.binary)
-            if isinstance(binary, ElfProblem):
-                continue
-            function = binary.function(f"{codel.result.address:#x}")
-            if isinstance(function, ElfProblem):
-                continue
-            for key, cfg in build_program(binary, function.key).items():
-                if (codel.binary, key) not in shown:
-                    shown.add((codel.binary, key))
-                    yield format_cfg(cfg)
+    binary = load(path)
+    if isinstance(binary, ElfProblem):
+        return [], [binary.message]
+    texts: dict[int, str] = {}
+    problems: list[str] = []
+    for function in functions:
+        symbol = binary.function(function if isinstance(function, str) else f"{function:#x}")
+        if isinstance(symbol, ElfProblem):
+            problems.append(symbol.message)
+            continue
+        for key, cfg in build_program(binary, symbol.key).items():
+            if key not in texts:
+                texts[key] = format_cfg(cfg)
+    return list(texts.values()), problems

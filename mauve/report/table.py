@@ -1,4 +1,4 @@
-"""Plain tables: columns as wide as their widest cell, numbers to the right, long names cut where a terminal is narrow."""
+"""Plain tables: columns as wide as their widest cell, numbers to the right, names cut where a terminal is narrow."""
 
 from __future__ import annotations
 

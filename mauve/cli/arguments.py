@@ -1,0 +1,131 @@
+"""The arguments of every command. What a command does is in the module of its name, imported when it runs."""
+
+from __future__ import annotations
+
+import argparse
+import os
+from collections.abc import Callable, Sequence
+from typing import Any
+
+from mauve import __version__
+
+STAGES = ("ast", "model", "cfg", "psm", "traces", "tasks")
+METHODS = ("trace", "exact", "paper", "sporadic")
+FORMATS = ("full", "short", "json", "sarif", "github")
+
+CODES = "exit codes: 0 everything holds; 1 it does not, or the input is in error; 2 wrong usage; 70 a bug of mauvec"
+
+
+def parse(argv: Sequence[str]) -> argparse.Namespace:
+    """The arguments; `command` names the module that runs them. SystemExit after help, a version, or wrong usage."""
+    top = argparse.ArgumentParser(
+        prog="mauvec",
+        description="Does every deadline of the robot hold, always, and why: from the ARM binary to response times.",
+        epilog=f"`mauvec COMMAND --help` tells more about a command. {CODES}.",
+        allow_abbrev=False,
+    )
+    top.add_argument("--version", action="version", version=f"mauvec {__version__}")
+    commands = top.add_subparsers(title="commands", metavar="COMMAND", required=True)
+    for command, add in COMMANDS.items():
+        add(_Commands(commands, command))
+    _check_command(top, argv)
+    return top.parse_args(argv)
+
+
+def _check_command(top: argparse.ArgumentParser, argv: Sequence[str]) -> None:
+    """Say which command may have been meant where there is none of that name."""
+    given = argv[0] if argv else "-"
+    if given.startswith("-") or given in COMMANDS:
+        return
+    from mauve.diagnostics.suggest import closest
+
+    near = closest(given, COMMANDS)
+    known = f"did you mean `{near[0]}`?" if near else f"there is {', '.join(f'`{name}`' for name in COMMANDS)}"
+    top.error(f"there is no command `{given}`; {known}")
+
+
+class _Commands:
+    """Where a command adds its parser."""
+
+    def __init__(self, commands: Any, name: str) -> None:
+        self.commands = commands
+        self.name = name
+
+    def parser(self, help_: str, description: str, epilog: str) -> argparse.ArgumentParser:
+        """The parser of the command, with its texts."""
+        parser = self.commands.add_parser(
+            self.name, help=help_, description=description, epilog=epilog, allow_abbrev=False
+        )
+        assert isinstance(parser, argparse.ArgumentParser)
+        parser.set_defaults(command=self.name)
+        return parser
+
+
+def _add_common(parser: argparse.ArgumentParser) -> None:
+    color = "colours: on a terminal unless NO_COLOR is set (auto, the default), always, or never"
+    parser.add_argument("--color", choices=("auto", "always", "never"), default="auto", help=color)
+    parser.add_argument("--no-cache", action="store_true", help="neither use nor keep results of earlier runs")
+
+
+def _add_check(commands: _Commands) -> None:
+    parser = commands.parser(
+        "does every deadline of a model hold",
+        "Check the deployments of a model: the WCET of each codel from the binary, the WCRT of each component, and a "
+        "verdict for each deadline. The tables go to standard output, messages to standard error.",
+        f"example: mauvec check robot.mauve. {CODES}.",
+    )
+    add = parser.add_argument
+    add("file", metavar="FILE", help="the model, e.g. robot.mauve")
+    add("--deployment", metavar="D", help="check this deployment only (default: all that are not abstract)")
+    method = "how responses are bounded (default: trace; paper: as printed in the MAUVE paper, unsound beyond R <= T)"
+    add("--method", choices=METHODS, default="trace", help=method)
+    format_ = "full: for people (default); short: messages one a line; json, sarif, github: for programs"
+    add("--format", choices=FORMATS, default="full", help=format_)
+    add("--emit", choices=STAGES, help="print what this stage made instead of the tables")
+    _add_common(parser)
+
+
+def _add_wcet(commands: _Commands) -> None:
+    parser = commands.parser(
+        "the WCET of functions of a binary, without a model",
+        "Bound the worst-case execution time of functions of an ARM executable, callees included. What keeps a "
+        "function from having a bound is told on standard error, with its source line.",
+        f"example: mauvec wcet robot.elf control_step --board generic-arm926ej-s. {CODES}.",
+    )
+    add = parser.add_argument
+    add("elf", metavar="ELF", help="the executable")
+    add("functions", metavar="FUNCTION", nargs="*", help="symbols or addresses (default: every function with a symbol)")
+    add("--board", metavar="B", required=True, help="a board of the standard library, or FILE.mauve:BOARD")
+    add("--facts", metavar="FILE", action="append", default=[], help="flow facts (.ff); may be given several times")
+    add("--initial-data", action="store_true", help="start from the linked data, not from unknown globals")
+    add("--timeout", metavar="S", type=_seconds, help="seconds spent on one function at most")
+    add("--format", choices=("table", "json", "csv"), default="table", help="how results are shown (default: table)")
+    add("--explain", action="store_true", help="show the worst path by source line, dearest lines first")
+    add("--emit", choices=("cfg",), help="print the control flow graphs, callees included, instead of bounds")
+    add("--write-lp", metavar="FILE", help="write the integer linear program of the one function named")
+    add("--jobs", metavar="N", type=_count, default=os.cpu_count() or 1, help="processes (default: one per processor)")
+    _add_common(parser)
+
+
+def _seconds(text: str) -> float:
+    value = float(text)
+    if not 0 < value < float("inf"):
+        raise argparse.ArgumentTypeError(f"{text} is no number of seconds above 0")
+    return value
+
+
+def _count(text: str) -> int:
+    value = int(text)
+    if value < 1:
+        raise argparse.ArgumentTypeError(f"{text} is no number above 0")
+    return value
+
+
+def _add_explain(commands: _Commands) -> None:
+    about = "Explain a message: what it means, why it matters, and what to do."
+    parser = commands.parser("what a message means", about, "example: mauvec explain MV601")
+    parser.add_argument("code", metavar="CODE", help="e.g. MV601, or its name, deadline-missed")
+
+
+COMMANDS: dict[str, Callable[[_Commands], None]] = {"check": _add_check, "wcet": _add_wcet, "explain": _add_explain}
+"""What adds the parser of each command; `mauve.cli.NAME.run` runs it."""
