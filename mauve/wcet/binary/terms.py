@@ -140,6 +140,7 @@ class Terms:
         self.table: list[tuple[Any, ...]] = []
         self.numbers: dict[tuple[Any, ...], int] = {}
         self.facts: list[tuple[Condition, Flags]] = []
+        self._bounds: dict[int, Interval] = {}
 
     def _term(self, *parts: Any) -> int:
         number = self.numbers.get(parts)
@@ -254,10 +255,13 @@ class Terms:
                 return term, sign, offset & MASK
 
     def bounds(self, term: int) -> Interval:
-        """An interval around the term that follows from how it is made."""
-        known: dict[int, Interval] = {}
-        for number in self.below(term):
-            known[number] = self._bound(number, known)
+        """An interval around the term that follows from how it is made; asked for when all facts of the path are known."""
+        known = self._bounds
+        if term not in known:
+            ready = all(operand in known for operand in self.operands(term))
+            for number in (term,) if ready else self.below(term):
+                if number not in known:
+                    known[number] = self._bound(number, known)
         return known[term]
 
     def _bound(self, number: int, known: dict[int, Interval]) -> Interval:
