@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from time import monotonic
 
 from mauve.wcet.binary.graph import Cfg
 from mauve.wcet.binary.loops import Loop
 from mauve.wcet.binary.microop import Compute, Imm, Instruction, SetFlags
-from mauve.wcet.flow import domain
 from mauve.wcet.flow.closed_form import MOST
 from mauve.wcet.flow.domain import MASK, SIGN, Range
 from mauve.wcet.flow.execute import Calls, Execution, GaveUp, Policy, Record
@@ -20,6 +20,9 @@ from mauve.wcet.result import Origin
 
 WIDTH = 8
 """States kept apart at once where one did not suffice."""
+
+LIGHT = 1_500
+"""Instructions of the first attempt to step through loops, before ranking arguments are sought."""
 
 Ranking = Callable[[Loop, Record], tuple[int, str] | None]
 
@@ -75,46 +78,37 @@ def analyse_function(
     known = {loop: bound.bound for loop, bound in given.items()}
     marks = thresholds(order.cfg)
 
-    def execute(stepped: frozenset[int], width: int = 1) -> Record:
-        policy = Policy(stepped, width, limits.steps, most=limits.most)
+    def execute(stepped: frozenset[int], width: int = 1, steps: int = limits.steps) -> Record:
+        policy = Policy(stepped, width, steps, most=limits.most)
         return Execution(order, image, calls, policy, marks, known, limits.deadline).execute(entry.copy())
 
     records = [execute(frozenset())]
-    if not order.nest.loops:
-        return _merge(order, records, {})
     bounds = dict(given)
-    _rank(order, records[0], bounds, known, ranking)
     loops = frozenset(range(len(order.nest.loops)))
     nested = any(loop.parent is not None for loop in order.nest.loops)
-    for width in (1, WIDTH):
-        missing = _missing(records, known)
-        if not missing and (width > 1 or not nested or _cost(order, records[0], known) > limits.steps):
-            break
-        try:
-            records.append(execute(loops, width))
-        except GaveUp:
-            break
+    try:
+        if _missing(records, known):
+            records.append(execute(loops, steps=LIGHT))
+        for loop in _missing(records, known):
+            found = ranking(order.nest.loops[loop], records[0]) if ranking is not None else None
+            if found is not None:
+                known[loop] = found[0]
+                bounds[loop] = LoopBound(found[0], Origin.ANALYSIS, found[1])
+        if _missing(records, known):
+            records.append(execute(loops))
+        elif nested and _cost(order, records[0], known) <= limits.steps:
+            records.append(execute(loops))
+        if _missing(records, known):
+            records.append(execute(loops, WIDTH))
+    except GaveUp:
+        if limits.deadline is not None and monotonic() > limits.deadline:
+            raise
     return _merge(order, records, bounds)
 
 
 def _missing(records: list[Record], known: Mapping[int, int]) -> list[int]:
     reached = set.intersection(*(set(record.visits) for record in records))
     return [loop for loop in reached if loop not in known and all(record.visits[loop] is None for record in records)]
-
-
-def _rank(
-    order: Order, record: Record, bounds: dict[int, LoopBound], known: dict[int, int], ranking: Ranking | None
-) -> None:
-    """Ask for ranking arguments where the closed form has none."""
-    if ranking is None:
-        return
-    for loop, visits in record.visits.items():
-        if visits is not None or loop in known:
-            continue
-        found = ranking(order.nest.loops[loop], record)
-        if found is not None:
-            known[loop] = found[0]
-            bounds[loop] = LoopBound(found[0], Origin.ANALYSIS, found[1])
 
 
 def _cost(order: Order, record: Record, known: Mapping[int, int]) -> int:
@@ -168,4 +162,4 @@ def _smaller(
     return second if second[2] - second[1] < first[2] - first[1] else first
 
 
-__all__ = ["FunctionResult", "Limits", "analyse_function", "domain", "thresholds"]
+__all__ = ["FunctionResult", "Limits", "analyse_function", "thresholds"]

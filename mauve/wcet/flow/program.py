@@ -15,18 +15,20 @@ from mauve.wcet.binary.cfg import Control
 from mauve.wcet.binary.elf import Binary
 from mauve.wcet.binary.graph import EXIT, Cfg, UnresolvedKind
 from mauve.wcet.binary.loops import Loop, LoopNest, loop_nest
+from mauve.wcet.binary.split import split_irreducible
 from mauve.wcet.flow import effects
 from mauve.wcet.flow.domain import MASK
 from mauve.wcet.flow.effects import UNKNOWN, ProgramCalls, Summary
 from mauve.wcet.flow.execute import GaveUp, Record
 from mauve.wcet.flow.facts import Fact
 from mauve.wcet.flow.function import FunctionResult, Limits, analyse_function
+from mauve.wcet.flow.given import Given
 from mauve.wcet.flow.order import Order, arrange
-from mauve.wcet.flow.result import AddressRange, ContextKey, FunctionFlow, LoopBound, ProgramFlow
+from mauve.wcet.flow.result import AddressRange, ContextKey, FunctionFlow, ProgramFlow
 from mauve.wcet.flow.state import ABSOLUTE, State, Symbols
 from mauve.wcet.flow.values import LoopValues
 from mauve.wcet.hardware.board import Board
-from mauve.wcet.result import Problem, ProblemKind
+from mauve.wcet.result import Origin, Problem, ProblemKind
 
 ASSUMPTIONS = (
     "functions keep the procedure call standard (AAPCS): r4-r11 and sp are preserved by calls",
@@ -37,6 +39,8 @@ ASSUMPTIONS = (
 )
 MOST_CONTEXTS = 24
 """How many contexts one function is analysed in."""
+MOST_VAIN = 3
+"""After so many contexts of a function that bounded no further loop no more are tried."""
 MOST_DEPTH = 12
 """How many calls deep contexts are followed."""
 ROUNDS = 4
@@ -88,9 +92,10 @@ def analyse_program(
     limits = limits or Limits()
     if timeout is not None:
         limits = replace(limits, deadline=monotonic() + timeout)
-    control = Control()
+    given = Given(binary, facts)
+    control = given.control()
     for _ in range(ROUNDS):
-        analysis = _Program(binary, entry_key, control, initial_data, limits)
+        analysis = _Program(binary, entry_key, control, given, initial_data, limits)
         analysis.run()
         found = analysis.new_targets()
         if not found:
@@ -102,11 +107,14 @@ def analyse_program(
 class _Program:
     """One round: the graphs are fixed."""
 
-    def __init__(self, binary: Binary, entry: int, control: Control, initial_data: bool, limits: Limits) -> None:
-        self.binary, self.entry, self.control, self.limits = binary, entry, control, limits
+    def __init__(
+        self, binary: Binary, entry: int, control: Control, given: Given, initial_data: bool, limits: Limits
+    ) -> None:
+        self.binary, self.entry, self.control, self.given, self.limits = binary, entry, control, given, limits
         self.initial_data = initial_data
         self.image = BinaryImage(binary)
-        self.cfgs: Mapping[int, Cfg] = callgraph.build_program(binary, entry, control)
+        graphs = callgraph.build_program(binary, entry, control)
+        self.cfgs: Mapping[int, Cfg] = {key: split_irreducible(cfg) for key, cfg in graphs.items()}
         self.order = callgraph.order(self.cfgs)
         self.symbols = Symbols()
         self.nests: dict[int, LoopNest] = {}
@@ -114,6 +122,7 @@ class _Program:
         self.summaries: dict[int, Summary] = {}
         self.done: dict[ContextKey, _Function] = {}
         self.names: dict[tuple[int, tuple[object, ...]], ContextKey] = {}
+        self.hasty: set[int] = set()
         self.cyclic = frozenset(key for cycle in self.order.cycles for key in cycle.members)
 
     def run(self) -> None:
@@ -122,8 +131,10 @@ class _Program:
             if key in self.cyclic:
                 self.summaries[key] = UNKNOWN
                 continue
-            state = self._initial_state() if key == self.entry else State(self.symbols)
-            function = self._analyse((key, ""), state, 0)
+            first = key == self.entry
+            function = self._analyse((key, ""), self._initial_state() if first else State(self.symbols), 0, first)
+            if not first and function.result is not None and function.result.unbounded:
+                self.hasty.add(key)
             result = function.result
             self.summaries[key] = UNKNOWN if result is None else effects.summarise(result.record)
 
@@ -137,13 +148,13 @@ class _Program:
         return state
 
     # ------------------------------------------------------------------------------------------------ one function
-    def _analyse(self, name: ContextKey, state: State, depth: int) -> _Function:
+    def _analyse(self, name: ContextKey, state: State, depth: int, thorough: bool = True) -> _Function:
         key = name[0]
         cfg, nest = self.cfgs[key], self._nest(key)
         function = self._bare(cfg, nest, name)
         if not nest.irreducible and cfg.blocks:
             try:
-                function = self._full(cfg, nest, name, state, depth)
+                function = self._full(cfg, nest, name, state, depth, thorough)
             except GaveUp:
                 message = f"the analysis of {cfg.name} takes more steps or time than allowed"
                 problem = Problem(ProblemKind.LIMIT, message, cfg.address, cfg.name)
@@ -161,7 +172,9 @@ class _Program:
         calls = {i: tuple((k, "") for k in e.callees) for i, e in enumerate(cfg.edges) if e.callees}
         return _Function(None, FunctionFlow(cfg, nest, {}, frozenset(), {}, calls))
 
-    def _full(self, cfg: Cfg, nest: LoopNest, name: ContextKey, state: State, depth: int) -> _Function:
+    def _full(
+        self, cfg: Cfg, nest: LoopNest, name: ContextKey, state: State, depth: int, thorough: bool
+    ) -> _Function:
         key = name[0]
         if key not in self.orders:
             self.orders[key] = arrange(cfg, nest)
@@ -174,8 +187,11 @@ class _Program:
             found = bound_by_ranking(cfg, nest, loop, LoopValues(record, loop.id, self.image))
             return None if found is None else (found.bound, found.method)
 
-        given: dict[int, LoopBound] = {}
-        result = analyse_function(self.orders[key], state, self.image, calls, given, ranking, self.limits)
+        stated = self.given.bounds(cfg, nest)
+        limits = self.limits if thorough else replace(self.limits, steps=0)
+        result = analyse_function(self.orders[key], state, self.image, calls, stated, ranking, limits)
+        derived = {loop: bound.bound for loop, bound in result.bounds.items() if bound.origin is not Origin.ANNOTATION}
+        self.given.compare(cfg, nest, derived)
         contexts = self._contexts(cfg, result, depth)
         flow = FunctionFlow(
             cfg,
@@ -213,22 +229,38 @@ class _Program:
 
     def _context(self, key: int, state: State | None, depth: int) -> ContextKey:
         """The context of a callee for an entry state: the one that covers all calls unless that is incomplete."""
-        default = (key, "")
-        if state is None or depth >= MOST_DEPTH:
-            return default
-        identity = (key, effects.fingerprint(state))
-        if identity in self.names:
-            return self.names[identity]
-        mine = [name for name in self.names.values() if name[0] == key]
+        known = self.names.get((key, effects.fingerprint(state))) if state is not None else None
+        if known is not None:
+            return known
+        if state is None or not self._promising(key, state, depth):
+            if key in self.hasty:
+                self.hasty.discard(key)
+                self._analyse((key, ""), State(self.symbols), 0)
+            return key, ""
         words = effects.describe(state)
-        if len(mine) >= MOST_CONTEXTS or (not words and not any(state.memory.values())):
-            return default
+        mine = [name for name in self.names.values() if name[0] == key]
         name = (key, words or f"call {len(mine) + 1}")
         if name in mine:
             name = (key, f"{name[1]} #{len(mine) + 1}")
-        self.names[identity] = name
+        self.names[key, effects.fingerprint(state)] = name
         self._analyse(name, state, depth + 1)
         return name
+
+    def _promising(self, key: int, state: State, depth: int) -> bool:
+        """Whether one more context of a function is worth its time."""
+        mine = [name for name in self.names.values() if name[0] == key]
+        if depth >= MOST_DEPTH or len(mine) >= MOST_CONTEXTS:
+            return False
+        if not effects.describe(state) and not any(state.memory.values()):
+            return False
+        return len(mine) < MOST_VAIN or not all(self._no_better(name) for name in mine)
+
+    def _no_better(self, name: ContextKey) -> bool:
+        """Whether a context left open what was open without it."""
+        inside, default = self.done.get(name), self.done[name[0], ""]
+        return inside is None or inside.result is None or (
+            default.result is not None and inside.result.unbounded >= default.result.unbounded
+        )
 
     # ------------------------------------------------------------------------------------------------ results
     def _used(self) -> list[ContextKey]:
@@ -272,7 +304,9 @@ class _Program:
             first = self.cfgs[cycle.path[0]]
             problems.append(Problem(ProblemKind.RECURSION, f"recursion: {names}", first.address, first.name))
         functions = {name: self.done[name].flow for name in self._used()}
-        return ProgramFlow((self.entry, ""), functions, tuple(problems), (), ASSUMPTIONS)
+        problems += self.given.problems.values()
+        notes = (*self.given.notes.values(), *self.given.unused())
+        return ProgramFlow((self.entry, ""), functions, tuple(problems), notes, ASSUMPTIONS)
 
 
 _POINTERS = (UnresolvedKind.BRANCH, UnresolvedKind.CALL)

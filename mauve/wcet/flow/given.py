@@ -1,0 +1,95 @@
+"""What people state (flow facts) put to use: control facts for the graphs, loop facts for the bounds."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from mauve.wcet.binary.cfg import Control
+from mauve.wcet.binary.elf import Binary, ElfProblem
+from mauve.wcet.binary.graph import Cfg
+from mauve.wcet.binary.lines import LineTable, load_lines
+from mauve.wcet.binary.loops import LoopNest
+from mauve.wcet.flow.facts import AtAddress, AtLine, AtSymbol, ControlFact, ControlKind, Fact, LoopFact, Place
+from mauve.wcet.flow.matching import Matches, match_facts, unmatched
+from mauve.wcet.flow.result import LoopBound
+from mauve.wcet.result import Origin, Problem
+
+
+class Given:
+    """The facts of one analysis; remembers which of them matched something."""
+
+    def __init__(self, binary: Binary, facts: Sequence[Fact]) -> None:
+        self.binary, self.facts = binary, tuple(facts)
+        by_line = any(isinstance(p, AtLine) for fact in facts for p in (fact.place, *_targets(fact)))
+        self.lines = load_lines(binary) if by_line else LineTable()
+        self.matched: set[int] = set()
+        self.notes: dict[str, Problem] = {}
+        self.problems: dict[str, Problem] = {}
+
+    def control(self) -> Control:
+        """The control facts by address. A function that returns after all is what graphs assume anyway."""
+        targets: dict[int, tuple[int, ...]] = {}
+        no_call: set[int] = set()
+        no_return: set[int] = set()
+        for fact in self.facts:
+            if not isinstance(fact, ControlFact):
+                continue
+            for address in self._addresses(fact.place):
+                match fact.kind:
+                    case ControlKind.TARGETS:
+                        targets[address & ~1] = tuple(self._key(a) for t in fact.targets for a in self._addresses(t))
+                    case ControlKind.NO_CALL:
+                        no_call.add(address & ~1)
+                    case ControlKind.NO_RETURN:
+                        no_return.add(self._key(address))
+                    case ControlKind.RETURN:
+                        pass
+        return Control(targets=targets, no_call=frozenset(no_call), no_return=frozenset(no_return))
+
+    def bounds(self, cfg: Cfg, nest: LoopNest) -> dict[int, LoopBound]:
+        """The bounds that facts state for the loops of a function."""
+        if not any(isinstance(fact, LoopFact) for fact in self.facts):
+            return {}
+        found = self._match(cfg, nest, None)
+        self.matched |= found.matched
+        self.problems.update((str(problem), problem) for problem in found.problems)
+        return {
+            loop: LoopBound(fact.bound, Origin.ANNOTATION, "flow fact", fact.total)
+            for loop, fact in found.bounds.items()
+            if fact.bound is not None
+        }
+
+    def compare(self, cfg: Cfg, nest: LoopNest, derived: dict[int, int]) -> None:
+        """Remark on facts that allow more than the analysis found."""
+        if any(isinstance(fact, LoopFact) for fact in self.facts):
+            found = self._match(cfg, nest, derived)
+            self.notes.update((str(note), note) for note in found.notes)
+
+    def unused(self) -> tuple[Problem, ...]:
+        """Loop facts that matched no loop."""
+        return unmatched(self.facts, self.matched)
+
+    def _match(self, cfg: Cfg, nest: LoopNest, derived: dict[int, int] | None) -> Matches:
+        return match_facts(self.facts, cfg, nest, self.lines.location, self._symbol, derived)
+
+    def _symbol(self, name: str) -> int | None:
+        found = self.binary.function(name)
+        return None if isinstance(found, ElfProblem) else found.address
+
+    def _addresses(self, place: Place) -> tuple[int, ...]:
+        match place:
+            case AtAddress(address):
+                return (address,)
+            case AtSymbol(symbol, offset):
+                found = self.binary.function(symbol)
+                return () if isinstance(found, ElfProblem) else (found.key + offset,)
+            case AtLine(file, line):
+                return self.lines.addresses(file, line)
+
+    def _key(self, address: int) -> int:
+        symbol = self.binary.symbol_at(address)
+        return address if symbol is None else symbol.key
+
+
+def _targets(fact: Fact) -> tuple[Place, ...]:
+    return fact.targets if isinstance(fact, ControlFact) else ()
