@@ -5,7 +5,7 @@ from __future__ import annotations
 from mauve.diagnostics.diagnostic import Applicability, Diagnostic, Edit, Fix, Label
 from mauve.source import Span
 from mauve.syntax.machine import Machine
-from mauve.syntax.repair import Repair, Situation
+from mauve.syntax.repair import Repair, Situation, machine_situation
 from mauve.syntax.tokens import END, Token
 from mauve.syntax.words import DECLARED, SEPARATES, expected, found, quoted
 
@@ -39,7 +39,7 @@ def _meant(machine: Machine, repair: Repair | None) -> str:
     """The keyword that a misspelled word stands for."""
     if repair is None or repair.replace != 1 or len(repair.insert) != 1:
         return ""
-    situation = Situation(machine.table, machine.file.text, machine.tokens, machine.states, machine.at)
+    situation = machine_situation(machine)
     if repair.insert[0] not in situation.near_words(machine.tokens[machine.at]):
         return ""
     return next(text for text, kind in machine.table.words.items() if kind == repair.insert[0])
@@ -123,7 +123,7 @@ def reserved(machine: Machine) -> Diagnostic:
     """A reserved word where a name is expected."""
     token = machine.tokens[machine.at]
     span = _span(machine, token)
-    situation = Situation(machine.table, machine.file.text, machine.tokens, machine.states, machine.at)
+    situation = machine_situation(machine)
     wanted = expected(machine.table, situation.symbols(), ["NAME"])
     fix = Fix(f"choose another name, such as `{token.text}_`")
     label = f"{wanted} is expected here"
@@ -137,9 +137,9 @@ def unclosed(machine: Machine) -> Diagnostic:
     token = machine.tokens[machine.at]
     opening = _suspicious(machine) or _innermost(machine)
     if opening is None:
-        return unfinished(machine, Situation(machine.table, machine.file.text, machine.tokens, machine.states, machine.at))
+        return unfinished(machine, machine_situation(machine))
     span = _span(machine, opening)
-    place = "the file ends here" if token.kind == END else f"a `}}` is missing before this {found(token)}"
+    place = f"a `}}` is missing before this {found(token)}" if token.kind != END else "the file ends here"
     labels = (Label(_span(machine, token), place),)
     indent = _indent(machine.file.text, opening.start)
     before = machine.tokens[machine.at - 1].end

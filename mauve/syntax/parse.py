@@ -18,7 +18,7 @@ def parse(file: SourceFile, report: Report) -> ast.Module:
     A module with errors may lack declarations and hold made-up names: it serves an editor, not an analysis.
     """
     scanned = scan(file, report)
-    version = _version(file, scanned.tokens, report)
+    version = _version(file, scanned.tokens, report) if scanned.complete else None
     if not scanned.complete or (version is not None and version not in VERSIONS):
         return ast.Module(file, version, None, (), ())
     machine = Machine(file, scanned, report)

@@ -7,14 +7,14 @@ helps, the parser leaves the construct and goes on at the next member, or at the
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import replace
 
 from mauve.source import Span
 from mauve.syntax import ast
 from mauve.syntax.explain import explain, reserved, unclosed, unfinished
 from mauve.syntax.machine import RESERVED, Machine
-from mauve.syntax.repair import Repair, Situation
+from mauve.syntax.repair import Repair, Situation, machine_situation
 from mauve.syntax.slips import slip
 from mauve.syntax.tokens import END, Token
 
@@ -26,6 +26,9 @@ LOOKAHEAD = 5
 
 QUIET = 3
 """An error within so many tokens of its line after a change is taken for its consequence and not reported."""
+
+MOST_SKIPPED = 50_000
+"""Where the parser finds nothing to go on with in so many tokens, the rest of the file is not read."""
 
 PLACEHOLDERS = {"NAME": "_missing", "QUANTITY": "1", "NUMBER": "1", "STRING": '""'}
 """The text of a token that is missing altogether."""
@@ -52,7 +55,7 @@ class _Recovery:
     def repair(self) -> None:
         """Mend the error at the machine's next token, or leave the construct it is in."""
         machine = self.machine
-        silent = machine.at < self.quiet_until and not self._situation().opens_line(machine.at)
+        silent = machine.at < self.quiet_until and not machine_situation(self.machine).opens_line(machine.at)
         self.errors += not silent
         if self.errors > MOST_ERRORS:
             message = f"more than {MOST_ERRORS} syntax errors: the rest of the file is not read"
@@ -61,7 +64,7 @@ class _Recovery:
             self._finish()
         elif machine.tokens[machine.at].kind == END:
             if not silent:
-                situation = self._situation()
+                situation = machine_situation(self.machine)
                 missing = situation.fits("RBRACE")
                 diagnostic = unclosed(machine) if missing else unfinished(machine, situation)
                 machine.context.report.add(diagnostic)
@@ -77,21 +80,18 @@ class _Recovery:
                 self._apply(best)
                 self.quiet_until = machine.at + QUIET
 
-    def _situation(self) -> Situation:
-        return _situation(self.machine, self.machine.states, self.machine.at)
-
     def _best(self) -> Repair | None:
         """The change that lets most tokens pass, where need be before a keyword that was read as a name."""
         machine = self.machine
         suspect = machine.suspect
         if suspect is not None and 0 < machine.at - suspect.at <= 2:
-            earlier = _situation(machine, suspect.states, suspect.at)
+            earlier = replace(machine_situation(machine), states=suspect.states, at=suspect.at)
             back = _choose(earlier)
             if back is not None and back.insert and not back.replace and back.score >= LOOKAHEAD:
                 machine.restore(suspect)
                 machine.suspect = None
                 return back
-        return _choose(self._situation())
+        return _choose(machine_situation(self.machine))
 
     def _report(self, best: Repair | None) -> None:
         machine = self.machine
@@ -102,7 +102,7 @@ class _Recovery:
         elif best is not None and "RBRACE" in best.insert and not best.replace:
             diagnostic = unclosed(machine)
         else:
-            diagnostic = explain(machine, self._situation(), best)
+            diagnostic = explain(machine, machine_situation(self.machine), best)
         machine.context.report.add(diagnostic)
 
     # -------------------------------------------------------------------------------------------- acting
@@ -130,13 +130,13 @@ class _Recovery:
 
     def _leave(self) -> None:
         """Skip to a token with which a member or a block may go on or end, and drop what is half read."""
-        machine = self.machine
+        machine, situation = self.machine, machine_situation(self.machine)
         begin, depth = machine.at, 0
-        for at in range(begin, len(machine.tokens)):
+        inside = any(type(value) is Token and value.kind == "LBRACE" for value in machine.values)
+        for at in range(begin, min(begin + MOST_SKIPPED, len(machine.tokens))):
             token = machine.tokens[at]
-            if token.kind == END:
-                break
-            if depth == 0 and self._resume(at, fresh=at > begin):
+            possible = token.kind == "NAME" or (inside and token.kind in ("RBRACE", "ARROW"))
+            if depth == 0 and possible and self._resume(situation, at, fresh=at > begin):
                 return
             if token.kind == "LBRACE":
                 depth += 1
@@ -144,12 +144,12 @@ class _Recovery:
                 depth = max(0, depth - 1)
         self._finish()
 
-    def _resume(self, at: int, fresh: bool) -> bool:
+    def _resume(self, situation: Situation, at: int, fresh: bool) -> bool:
         """Go on at a token, if that is possible after dropping what is half read of the innermost block.
 
         A declaration at the margin ends the blocks around it too. `fresh`: the token is not the one in error.
         """
-        machine, situation = self.machine, self._situation()
+        machine = self.machine
         token = machine.tokens[at]
         word = token.kind == "ARROW" or token.text in machine.table.words
         if not word and token.kind != "RBRACE" and not situation.opens_line(at):
@@ -168,7 +168,7 @@ class _Recovery:
 
     def _close_to(self, at: int) -> bool:
         """Close blocks until the token fits; False, with nothing changed, where it never does."""
-        machine, situation = self.machine, self._situation()
+        machine, situation = self.machine, machine_situation(self.machine)
         states = list(machine.states)
         plan: list[int] = []
         while situation.score(states, (), at, 3) < 3:
@@ -189,8 +189,8 @@ class _Recovery:
         """Close what is open, so that the end of the file fits."""
         machine = self.machine
         machine.at = len(machine.tokens) - 1
-        while len(machine.states) > 1 and not self._situation().complete():
-            if self._situation().fits("RBRACE"):
+        while len(machine.states) > 1 and not machine_situation(self.machine).complete():
+            if machine_situation(self.machine).fits("RBRACE"):
                 machine.push(Token("RBRACE", "}", machine.last_end, machine.last_end))
             else:
                 self._pop(1)
@@ -202,10 +202,6 @@ def _goes_on(situation: Situation, states: list[int], at: int, need: int) -> boo
         return True
     there = replace(situation, states=states, at=at)
     return any(there.score(states, (kind,), at + 1, need) >= need for kind in there.near_words(there.token()))
-
-
-def _situation(machine: Machine, states: Sequence[int], at: int) -> Situation:
-    return Situation(machine.table, machine.file.text, machine.tokens, states, at)
 
 
 def _choose(situation: Situation) -> Repair | None:

@@ -31,6 +31,11 @@ class Repair:
     told: Callable[[Machine], Diagnostic] | None = None
 
 
+def machine_situation(machine: Machine) -> Situation:
+    """Where a machine stands."""
+    return Situation(machine.table, machine.file.text, machine.tokens, machine.states, machine.at)
+
+
 @dataclass(frozen=True, slots=True)
 class Situation:
     """The states of the parser before the token at index `at` of a text."""

@@ -9,6 +9,7 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 from functools import cache
+from itertools import islice
 from typing import NamedTuple
 
 from mauve.diagnostics.diagnostic import Applicability, Diagnostic, Edit, Fix, Label, Report
@@ -17,6 +18,12 @@ from mauve.syntax.table import load_table
 
 DEEPEST = 64
 """Brackets nested deeper than this are refused, so that no later pass runs out of stack."""
+
+MOST_TOKENS = 500_000
+"""A file of more words and marks is refused, so that the time for any file is bounded."""
+
+MOST_PROBLEMS = 25
+"""After so many problems inside tokens the rest of a file is not read."""
 
 END = "$END"
 OTHER = "OTHER"
@@ -37,7 +44,7 @@ class Scan:
     """The tokens of a file, closed by one of kind END.
 
     `comments` are all comments in order. `docs` holds the text of `///` lines by the start of the token that follows.
-    `complete` is false where the scan gave up (brackets nested too deeply).
+    `complete` is false where the scan gave up, for too deep a nesting, too many tokens or too many problems.
     """
 
     tokens: list[Token]
@@ -74,8 +81,8 @@ def scan(file: SourceFile, report: Report) -> Scan:
     text, marks = file.text, load_table().marks
     result = Scan([], [], {})
     tokens, docs = result.tokens, result.docs
-    depth, doc = 0, ""
-    for match in _master().finditer(text):
+    depth, doc, problems = 0, "", 0
+    for match in islice(_master().finditer(text), MOST_TOKENS * 2):
         kind = match.lastgroup or OTHER
         start, end = match.span(kind)
         word = text[start:end]
@@ -84,8 +91,7 @@ def scan(file: SourceFile, report: Report) -> Scan:
             if word in "{[(":
                 depth += 1
                 if depth > DEEPEST:
-                    report.add(too_deep(Span(file, start, end)))
-                    return Scan([Token(END, "", 0, 0)], [], {}, complete=False)
+                    return _give_up(f"brackets are nested more than {DEEPEST} deep", Span(file, start, end), report)
             elif word in "}])":
                 depth -= 1
         elif kind == "COMMENT":
@@ -97,13 +103,21 @@ def scan(file: SourceFile, report: Report) -> Scan:
             if kind == "FOREIGN_WORD" and tokens and tokens[-1].kind == "NAME" and tokens[-1].end == start:
                 start = tokens.pop().start
                 word = text[start:end]
+            known = len(report.diagnostics)
             mended = _mend(file, Token(kind, word, start, end), report)
+            problems += len(report.diagnostics) - known
+            if problems > MOST_PROBLEMS:
+                return _give_up(f"more than {MOST_PROBLEMS} wrong tokens", Span(file, start, end), report)
             if mended is None:
                 continue
             kind, word, start, end = mended
         if doc:
             docs[start], doc = doc, ""
         tokens.append(Token(kind, word, start, end))
+    if len(tokens) > MOST_TOKENS or match.end() < len(text):
+        last = (tokens or result.comments)[-1]
+        span = Span(file, last.start, last.end)
+        return _give_up(f"more than {MOST_TOKENS} words and marks in one file", span, report)
     tokens.append(Token(END, "", len(text), len(text)))
     return result
 
@@ -156,7 +170,7 @@ def syntax(message: str, span: Span, advice: str = "") -> Diagnostic:
     return Diagnostic("MV001", message, Label(span), help=Fix(advice) if advice else None)
 
 
-def too_deep(span: Span) -> Diagnostic:
-    """Brackets nested too deeply."""
-    label = Label(span, "the rest of the file is not read")
-    return Diagnostic("MV008", f"brackets are nested more than {DEEPEST} deep", label)
+def _give_up(message: str, span: Span, report: Report) -> Scan:
+    """A file that no person wrote: nothing of it is parsed."""
+    report.add(Diagnostic("MV008", message, Label(span, "the file is not read from here on")))
+    return Scan([Token(END, "", 0, 0)], [], {}, complete=False)
