@@ -17,9 +17,10 @@ from mauve.diagnostics.diagnostic import Diagnostic, Report
 from mauve.diagnostics.suggest import closest
 from mauve.lower.activation import settle
 from mauve.lower.codels import CodelTime, choose_times, plan_codels
-from mauve.lower.machines import machines
+from mauve.lower.machines import build_machines
+from mauve.lower.placed import NodeTasks
 from mauve.lower.platform import timing_platform, wcet_board
-from mauve.lower.tasks import NodeTasks, task_sets
+from mauve.lower.tasks import task_sets
 from mauve.model.boards import resolve_board
 from mauve.model.model import Deployment, Model
 from mauve.model.resolve import resolve
@@ -29,7 +30,7 @@ from mauve.timing.response import Method
 from mauve.verdict.deadlines import report_expectation, report_node
 from mauve.verdict.derive import Derivation, derive
 from mauve.verdict.result import CheckResult, DeploymentResult, NodeResult
-from mauve.wcet.result import Problem, WcetResult
+from mauve.wcet.result import Problem, ProblemKind, WcetResult
 
 if TYPE_CHECKING:
     from mauve.wcet.batch import Progress, Settings
@@ -88,8 +89,7 @@ def check_deployment(deployment: Deployment, options: Options, report: Report) -
     derivation = derive(deployment, plans, options.cache, report)
     codels = choose_times(plans, deployment, derivation.codels, report)
     times = {codel.plan.id: codel.time for codel in codels if codel.time is not None}
-    architecture = deployment.architecture
-    built = {i.name: machines(i, architecture, times) for i in architecture.instances if i.active}
+    built = build_machines(deployment, times)
     placed = task_sets(deployment, built, times, report)
     nodes = _respond(deployment, placed, derivation, options.method)
     for node in nodes:
@@ -139,7 +139,7 @@ def find_board(name: str, report: Report) -> Board | UnknownBoard | None:
         where = f"in `{path}`" if separator else "in the standard library"
         names = closest(board, declared) or tuple(declared)
         known = f"; there is {', '.join(f'`{near}`' for near in names)}" if names else ""
-        example = "" if separator or board in names else ", or name one of a model: FILE.mauve:BOARD"
+        example = "" if separator or closest(board, declared) else ", or name one of a model: FILE.mauve:BOARD"
         return UnknownBoard(f"there is no board `{board}` {where}{known}{example}")
     resolved = resolve_board(wanted, report)
     return wcet_board(resolved) if resolved is not None and not report.has_errors else None
@@ -157,13 +157,14 @@ def wcet(
     executable cannot be read."""
     from mauve.verdict.binaries import CODES
     from mauve.verdict.functions import function_diagnostics
-    from mauve.wcet.batch import all_functions, analyse_batch
+    from mauve.wcet.batch import all_functions, analyse_batch, near_names
 
     wanted = functions or all_functions(elf)
     if isinstance(wanted, Problem):
         report.add(Diagnostic(CODES[wanted.kind], wanted.message, place=elf))
         return ()
     results = analyse_batch(elf, wanted, settings, workers, progress)
-    for diagnostic in function_diagnostics(elf, results):
+    unknown = {r.name: near_names(elf, r.name) for r in results for p in r.problems if p.kind is ProblemKind.SYMBOL}
+    for diagnostic in function_diagnostics(elf, results, unknown):
         report.add(diagnostic)
     return results

@@ -1,8 +1,9 @@
 """Event-driven activation: the arrivals of a woken task jitter by the responses of the tasks that wake it.
 
-With one producer of period T_p >= s, the declared separation, eta(d) = ceil((d + R_p) / T_p) <= ceil((d + J) / s) for
+With one writer of period T_p >= s, the declared separation, eta(d) = ceil((d + R_p) / T_p) <= ceil((d + J) / s) for
 J = R_p. With several, each at most 1 / T_p often, J = s * sum(R_p / T_p + 1) covers the sum of their arrivals as
-long as s * sum(1 / T_p) <= 1, which the model checks. The best case is 0 (semantics of record, section 4).
+long as s * sum(1 / T_p) <= 1, which the model checks. The best case is 0 (semantics of record, section 4). A writer
+outside the model has its declared jitter for a response.
 
 Responses depend on jitters and jitters on responses: they are iterated from 0 upwards to their least fixed point.
 """
@@ -14,8 +15,9 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 from math import ceil
 
-from mauve.lower.tasks import NodeTasks, PlacedTask
-from mauve.model.model import Deployment
+from mauve.lower.placed import NodeTasks, PlacedTask
+from mauve.model.model import Deployment, Instance
+from mauve.model.periods import instance_period
 from mauve.model.wakeups import waking
 from mauve.timing.response import Analysis, Method, Reason, analyse
 from mauve.timing.task import Platform, on_platform
@@ -32,8 +34,22 @@ class Settled:
     results: tuple[Analysis | None, ...]
 
 
-Producers = Mapping[str, tuple[PlacedTask, ...]]
-"""Per woken task the tasks that wake it."""
+@dataclass(frozen=True, slots=True)
+class _Waker:
+    """An instance that writes an event port: how often at most, in which tasks, and the delay of one without tasks."""
+
+    period: int | None
+    tasks: tuple[str, ...]
+    jitter: int
+
+    def response(self, responses: Mapping[str, int | None]) -> int | None:
+        """How late it may write; None where that is not bounded."""
+        known = [responses.get(task) for task in self.tasks]
+        return None if None in known else max([self.jitter, *(r for r in known if r is not None)])
+
+
+Wakers = Mapping[str, tuple[_Waker, ...]]
+"""Per woken task the instances that wake it."""
 
 
 def settle(
@@ -41,24 +57,22 @@ def settle(
 ) -> Settled:
     """The responses of all nodes together, with event jitters at their fixed point.
 
-    A task whose producers have no bound, and those it delays, get no response time (`Reason.ARRIVALS`).
+    A task whose writers have no bound, and those it delays, get no response time (`Reason.ARRIVALS`).
     """
-    producers = _producers(deployment, nodes)
+    wakers = _wakers(deployment, nodes)
     current = tuple(nodes)
     results: tuple[Analysis | None, ...] = ()
+    unknown: set[str] = set(wakers)
     for _ in range(ROUNDS):
         results = tuple(_analyse(node, platform, method) for node, platform in zip(current, platforms, strict=True))
         responses = {r.task: r.wcrt for analysis in results if analysis for r in analysis.results}
-        unknown = {name for name, ps in producers.items() if any(responses.get(p.task.name) is None for p in ps)}
         updated = tuple(
-            replace(node, tasks=tuple(_with_jitter(one, producers, responses) for one in node.tasks))
-            for node in current
+            replace(node, tasks=tuple(_with_jitter(one, wakers, responses) for one in node.tasks)) for node in nodes
         )
         if updated == current:
+            unknown = {name for name, ws in wakers.items() if any(w.response(responses) is None for w in ws)}
             break
         current = updated
-    else:
-        unknown = set(producers)
     withdrawn = tuple(_withdraw(analysis, unknown) if analysis else None for analysis in results)
     return Settled(current, withdrawn)
 
@@ -69,30 +83,41 @@ def _analyse(node: NodeTasks, platform: Platform, method: Method) -> Analysis | 
     return analyse(on_platform([placed.task for placed in node.tasks], platform), method)
 
 
-def _producers(deployment: Deployment, nodes: Sequence[NodeTasks]) -> Producers:
-    holder = {i.name: placed for node in nodes for placed in node.tasks for i in placed.instances}
-    connections = deployment.architecture.data
-    found: dict[str, tuple[PlacedTask, ...]] = {}
-    for placed in dict.fromkeys(one.task.name for one in holder.values()):
-        instances = [i for one in holder.values() if one.task.name == placed for i in one.instances]
-        names = [c.source.instance for i in dict.fromkeys(instances) for c in waking(i, connections)]
-        wakers = [holder[name] for name in dict.fromkeys(names) if name in holder]
-        if wakers:
-            found[placed] = tuple(wakers)
+def _wakers(deployment: Deployment, nodes: Sequence[NodeTasks]) -> Wakers:
+    tasks: dict[str, tuple[str, ...]] = {}
+    for node in nodes:
+        for placed in node.tasks:
+            for instance in placed.instances:
+                tasks[instance.name] = (*tasks.get(instance.name, ()), placed.task.name)
+    instances = {instance.name: instance for instance in deployment.architecture.instances}
+    found: dict[str, tuple[_Waker, ...]] = {}
+    for node in nodes:
+        for placed in node.tasks:
+            sources = dict.fromkeys(
+                connection.source.instance
+                for instance in placed.instances
+                if instance.sporadic
+                for connection in waking(instance, deployment.architecture.data)
+            )
+            if sources:
+                found[placed.task.name] = tuple(_waker(instances[name], tasks.get(name, ())) for name in sources)
     return found
 
 
-def _with_jitter(placed: PlacedTask, producers: Producers, responses: Mapping[str, int | None]) -> PlacedTask:
-    """The task with its own jitter or that of its arrivals, whichever is more."""
-    wakers = [(p.task.period, r) for p in producers.get(placed.task.name, ()) if (r := responses.get(p.task.name))]
-    if not wakers:
+def _waker(instance: Instance, tasks: tuple[str, ...]) -> _Waker:
+    return _Waker(instance_period(instance), tasks, 0 if tasks else instance.jitter)
+
+
+def _with_jitter(placed: PlacedTask, wakers: Wakers, responses: Mapping[str, int | None]) -> PlacedTask:
+    """The task with the jitter of its arrivals on top of its own."""
+    known = [(w.period, r) for w in wakers.get(placed.task.name, ()) if (r := w.response(responses)) is not None]
+    if not known:
         return placed
-    jitter = wakers[0][1]
-    if len(wakers) > 1:
-        jitter = ceil(placed.task.period * sum((Fraction(r, period) + 1 for period, r in wakers), Fraction(0)))
-    if jitter <= placed.task.jitter:
-        return placed
-    return replace(placed, task=replace(placed.task, jitter=jitter))
+    jitter = known[0][1]
+    if len(known) > 1:
+        late = (Fraction(r, period) + 1 for period, r in known if period is not None)
+        jitter = ceil(placed.task.period * sum(late, Fraction(0)))
+    return replace(placed, task=replace(placed.task, jitter=placed.task.jitter + jitter))
 
 
 def _withdraw(analysis: Analysis, unknown: set[str]) -> Analysis:

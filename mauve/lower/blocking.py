@@ -1,22 +1,19 @@
 """Critical sections and the blocking they cause (immediate ceiling protocol; semantics of record, section 4).
 
-An operation that runs in its caller executes inside a critical section of its provider. The ceiling of a provider
-is the highest priority among its callers' tasks. A task is blocked at most once, by the longest section of a less
-urgent task whose ceiling reaches the task's own priority.
+Sections are the operations of a provider that run in their callers, the accesses to shared data under a lock, and the
+exchange of a port's data. The ceiling of a resource is the highest priority among the tasks that use it. A task is
+blocked at most once, by the longest section of a less urgent task whose ceiling reaches the task's own priority.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-
-from mauve.lower.calls import services, uses
-from mauve.model.model import CodelId, Deployment, Instance
 
 
 @dataclass(frozen=True, slots=True)
 class Section:
-    """The longest stay of an instance's task in the critical section of `resource`, in picoseconds."""
+    """A stay of `holder` in the critical section of `resource`, doing `operation`: `length` picoseconds at most."""
 
     resource: str
     holder: str
@@ -24,35 +21,30 @@ class Section:
     length: int
 
 
-def sections(
-    instances: Iterable[Instance], deployment: Deployment, times: Mapping[CodelId, int]
-) -> tuple[Section, ...]:
-    """The critical sections that the task of these instances enters, one per provider, the longest of each."""
-    connected = services(deployment.architecture)
-    longest: dict[str, Section] = {}
-    for instance in instances:
-        for use in uses(instance, connected):
-            length = times.get(use.codel)
-            if not use.provider or length is None:
-                continue
-            known = longest.get(use.provider)
-            if known is None or length > known.length:
-                longest[use.provider] = Section(use.provider, instance.name, use.codel.codel, length)
-    return tuple(longest.values())
+def longest(sections: Iterable[Section]) -> tuple[Section, ...]:
+    """The longest section of each resource."""
+    found: dict[str, Section] = {}
+    for section in sections:
+        known = found.get(section.resource)
+        if known is None or section.length > known.length:
+            found[section.resource] = section
+    return tuple(found.values())
 
 
-def blocking(priority: int, tasks: Sequence[tuple[int, tuple[Section, ...]]]) -> Section | None:
-    """The section that blocks a task of this priority longest; None where nothing can. `tasks` are (priority,
-    sections).
-    """
+def blockers(tasks: Sequence[tuple[int, tuple[Section, ...]]]) -> list[Section | None]:
+    """Per (priority, sections) of a task the section that blocks it longest; None where nothing can."""
     ceilings: dict[str, int] = {}
-    for other, held in tasks:
+    for priority, held in tasks:
         for section in held:
-            ceilings[section.resource] = max(ceilings.get(section.resource, other), other)
-    candidates = [
-        section
-        for other, held in tasks
+            ceilings[section.resource] = max(ceilings.get(section.resource, priority), priority)
+    contended = [
+        (priority, ceilings[section.resource], section)
+        for priority, held in tasks
         for section in held
-        if other < priority and ceilings[section.resource] >= priority
+        if section.length and priority < ceilings[section.resource]
     ]
-    return max(candidates, key=lambda section: section.length, default=None)
+    result: dict[int, Section | None] = {}
+    for priority in {priority for priority, _ in tasks}:
+        candidates = (section for below, ceiling, section in contended if below < priority <= ceiling)
+        result[priority] = max(candidates, key=lambda section: section.length, default=None)
+    return [result[priority] for priority, _ in tasks]

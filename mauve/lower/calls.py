@@ -12,12 +12,13 @@ from mauve.model.model import (
     Endpoint,
     Instance,
     Operation,
-    Region,
+    RegionId,
     Role,
     RunCodel,
-    RunsIn,
+    State,
     Step,
 )
+from mauve.model.threads import region_ids
 from mauve.source import Span
 
 
@@ -29,49 +30,61 @@ class Service:
     operation: Operation
 
 
+Services = Mapping[Endpoint, Service]
+"""The operation behind each connected method."""
+
+
 @dataclass(frozen=True, slots=True)
 class Use:
-    """A codel that a step of an instance executes; `provider` is set for a call, `when` says in words where it
-    stands.
-    """
+    """A step of `region` that executes a codel; `provider` is the instance called, empty for a codel of its own.
+    `when` says in words where it stands; `reads` and `writes` are the instance's data that it touches."""
 
     codel: CodelId
+    region: RegionId
     when: str
     span: Span
-    provider: str = ""
+    provider: str
+    reads: tuple[str, ...]
+    writes: tuple[str, ...]
 
 
-def services(architecture: Architecture) -> Mapping[Endpoint, Service]:
+def services(architecture: Architecture) -> Services:
     """The operation behind each connected method."""
+    instances = {instance.name: instance for instance in architecture.instances}
     found: dict[Endpoint, Service] = {}
     for connection in architecture.services:
-        provider = architecture.instance(connection.provider.instance)
+        provider = instances[connection.provider.instance]
         for operation in provider.component.operations:
             if operation.name == connection.provider.name:
                 found[connection.caller] = Service(provider, operation)
     return found
 
 
-def step_use(step: Step, instance: Instance, connected: Mapping[Endpoint, Service], when: str) -> Use | None:
-    """What a step executes in the task of `instance`; None for a method that leads nowhere (MV210 was reported)."""
+def executed(step: Step, instance: Instance, connected: Services) -> tuple[CodelId, str] | None:
+    """The codel that a step executes in the task of `instance`, and the instance it calls (empty for none); None for a
+    method that leads nowhere (MV210 was reported)."""
     match step:
-        case RunCodel(codel=codel, span=span):
-            return Use(CodelId(instance.component.name, codel), when, span)
-        case CallMethod(method=method, span=span):
+        case RunCodel(codel=codel):
+            return CodelId(instance.component.name, codel), ""
+        case CallMethod(method=method):
             service = connected.get(Endpoint(instance.name, method))
             if service is None:
                 return None
-            codel_id = CodelId(service.provider.component.name, service.operation.codel)
-            return Use(codel_id, when, span, service.provider.name)
+            return CodelId(service.provider.component.name, service.operation.codel), service.provider.name
 
 
-def uses(instance: Instance, connected: Mapping[Endpoint, Service]) -> Iterator[Use]:
-    """Every codel that the task of an instance executes, once per place."""
-    for region in instance.component.regions:
-        yield from _region_uses(region, instance, connected)
+def uses(instance: Instance, connected: Services) -> Iterator[Use]:
+    """Every codel that the regions of an instance execute, once per place."""
+    for id_, region in region_ids(instance):
+        for state in region.states:
+            for when, steps in _places(state):
+                for step in steps:
+                    found = executed(step, instance, connected)
+                    if found is not None:
+                        yield Use(found[0], id_, when, step.span, found[1], *_touched(step, instance))
 
 
-def _region_uses(region: Region, instance: Instance, connected: Mapping[Endpoint, Service]) -> Iterator[Use]:
+def _places(state: State) -> Iterator[tuple[str, tuple[Step, ...]]]:
     words = {
         Role.ENTRY: "when entering",
         Role.MESSAGE: "for the messages of",
@@ -79,22 +92,19 @@ def _region_uses(region: Region, instance: Instance, connected: Mapping[Endpoint
         Role.RUN: "at each step of",
         Role.EXIT: "when leaving",
     }
-    for state in region.states:
-        places = [(activity.steps, f"{words[activity.role]} `{state.name}`") for activity in state.activities]
-        for transition in state.transitions:
-            way = f"on the way from `{state.name}` to `{transition.target}`"
-            places += [(transition.guards, f"to decide whether to leave `{state.name}`"), (transition.do, way)]
-        for steps, when in places:
-            for step in steps:
-                use = step_use(step, instance, connected, when)
-                if use is not None:
-                    yield use
-        for nested in state.regions:
-            yield from _region_uses(nested, instance, connected)
+    for activity in state.activities:
+        yield f"{words[activity.role]} `{state.name}`", activity.steps
+    for transition in state.transitions:
+        yield f"to decide whether to leave `{state.name}`", transition.guards
+        yield f"on the way from `{state.name}` to `{transition.target}`", transition.do
 
 
-def owner_requests(instance: Instance, architecture: Architecture) -> Iterator[tuple[Endpoint, Operation]]:
-    """The methods whose calls an instance serves in its own task, with the operation each one requests."""
-    for caller, service in services(architecture).items():
-        if service.provider.name == instance.name and service.operation.runs is RunsIn.OWNER:
-            yield caller, service.operation
+def _touched(step: Step, instance: Instance) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """The data of an instance that a step reads and writes."""
+    result = (step.result,) if step.result else ()
+    match step:
+        case RunCodel(codel=name):
+            codel = instance.component.codel(name)
+            return codel.reads, (*codel.writes, *result)
+        case CallMethod(arguments=arguments):
+            return arguments, result

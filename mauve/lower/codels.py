@@ -12,7 +12,7 @@ from enum import Enum
 
 from mauve.diagnostics.diagnostic import Diagnostic, Fix, Label, Report, Severity
 from mauve.lower.calls import Use, services, uses
-from mauve.model.model import Architecture, Assumption, Binary, Codel, CodelId, Deployment, Node
+from mauve.model.model import Assumption, Binary, Codel, CodelId, Deployment, Node
 from mauve.source import Span
 from mauve.units import format_time
 from mauve.wcet.result import WcetResult
@@ -66,23 +66,15 @@ def plan_codels(deployment: Deployment) -> tuple[CodelPlan, ...]:
         for binary in node.binaries
         for codel, symbol, span in binary.symbols
     }
-    return tuple(
-        _plan(id_, tuple(places), architecture, bound) for id_, places in found.items() if _known(id_, architecture)
-    )
+    codels = {
+        CodelId(component.name, codel.name): codel
+        for component in {i.component.name: i.component for i in architecture.instances}.values()
+        for codel in component.codels
+    }
+    return tuple(_plan(id_, codels[id_], tuple(places), bound) for id_, places in found.items())
 
 
-def _known(id_: CodelId, architecture: Architecture) -> bool:
-    return any(
-        instance.component.name == id_.component and any(c.name == id_.codel for c in instance.component.codels)
-        for instance in architecture.instances
-    )
-
-
-def _plan(
-    id_: CodelId, places: tuple[Use, ...], architecture: Architecture, bound: Mapping[CodelId, tuple[str, Span]]
-) -> CodelPlan:
-    component = next(i.component for i in architecture.instances if i.component.name == id_.component)
-    codel = component.codel(id_.codel)
+def _plan(id_: CodelId, codel: Codel, places: tuple[Use, ...], bound: Mapping[CodelId, tuple[str, Span]]) -> CodelPlan:
     if id_ in bound:
         symbol, span = bound[id_]
         return CodelPlan(id_, codel, places, symbol, span)

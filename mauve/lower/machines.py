@@ -2,8 +2,11 @@
 
 From state s every activation costs message + method + run of s + the guards evaluated until one holds, or all of
 them when none does: that is the loop s -> s. A transition s -> t adds exit of s, its own `do` steps, entry of t. A
-start pseudo-state pays the entry of the initial state. Orthogonal regions are machines of their own; a nested
-region has an inactive state.
+start pseudo-state pays the entry of the initial state. Orthogonal regions are machines of their own.
+
+A nested region has an inactive state. In an activation in which its parent is entered it pays the entry of its initial
+state; in one in which its parent is left, at most its own step and the exit of its state; in one between which and the
+last its parent was left and entered again, both.
 """
 
 from __future__ import annotations
@@ -11,9 +14,25 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
-from mauve.lower.calls import Service, owner_requests, services, step_use
-from mauve.model.model import Architecture, CodelId, Endpoint, Instance, Region, RegionId, Role, State, Step, Transition
+from mauve.lower.calls import Services, executed, services
+from mauve.model.model import (
+    CodelId,
+    DataConnection,
+    Deployment,
+    Instance,
+    PortKind,
+    Region,
+    RegionId,
+    Role,
+    RunCodel,
+    State,
+    Step,
+    Thread,
+    Transition,
+)
 from mauve.model.periods import region_period
+from mauve.model.queues import most_arrivals
+from mauve.model.threads import placement
 from mauve.timing.psm import CostPart, Psm, PsmTransition, make_psm
 
 START = "(start)"
@@ -25,7 +44,8 @@ Times = Mapping[CodelId, int]
 
 @dataclass(frozen=True, slots=True)
 class Machine:
-    """The PSM of a region; `period` is its own (gcd of its activities' periods) or None for that of its instance."""
+    """The PSM of a region; `period` is its own (gcd of its activities' periods, or that of the region around it), None
+    for that of its instance."""
 
     region: RegionId
     psm: Psm
@@ -34,102 +54,136 @@ class Machine:
 
 @dataclass(frozen=True, slots=True)
 class _Costs:
-    """What steps cost in one instance. Codels without a time leave a hole: the machine is then not built."""
+    """What steps cost in one instance; `waiting` counts the messages that may wait at each of its in-ports."""
 
     instance: Instance
-    connected: Mapping[Endpoint, Service]
+    connected: Services
     times: Times
-    messages: int
-    requests: tuple[CostPart, ...]
+    waiting: Mapping[str, int]
 
     def parts(self, steps: tuple[Step, ...]) -> Iterator[CostPart]:
+        """The cost of each step. Raises KeyError for a codel without a time."""
         for step in steps:
-            use = step_use(step, self.instance, self.connected, "")
-            if use is not None:
-                yield CostPart(str(use.codel), self.times[use.codel])
+            found = executed(step, self.instance, self.connected)
+            if found is not None:
+                yield CostPart(str(found[0]), self.times[found[0]])
 
-    def activation(self, state: State) -> list[CostPart]:
-        """Message, method and run steps of a state, the handlers counted once per waiting element."""
-        messages = [
-            CostPart(f"{part.label} x{self.messages}", part.cost * self.messages) if self.messages > 1 else part
-            for part in self.parts(state.steps(Role.MESSAGE))
-        ]
-        method_steps = state.steps(Role.METHOD)
-        methods = [*self.parts(method_steps), *(self.requests if method_steps else ())]
-        return [*messages, *methods, *self.parts(state.steps(Role.RUN))]
+    def activation(self, state: State) -> Iterator[CostPart]:
+        """Message, method and run steps of a state, the message handlers once per message that may wait."""
+        for step in state.steps(Role.MESSAGE):
+            count = self._messages(step)
+            for part in self.parts((step,)):
+                yield CostPart(f"{part.label} x{count}", part.cost * count) if count > 1 else part
+        yield from self.parts((*state.steps(Role.METHOD), *state.steps(Role.RUN)))
+
+    def guards(self, tried: tuple[Transition, ...]) -> Iterator[CostPart]:
+        """The guards of the transitions tried."""
+        for transition in tried:
+            yield from self.parts(transition.guards)
+
+    def _messages(self, step: Step) -> int:
+        """What may wait at the ports that the handler reads, or at any where it names none."""
+        reads = self.instance.component.codel(step.codel).reads if isinstance(step, RunCodel) else ()
+        counts = [self.waiting[name] for name in reads if name in self.waiting] or list(self.waiting.values())
+        return max(1, sum(counts))
 
 
-def machines(instance: Instance, architecture: Architecture, times: Times) -> tuple[Machine, ...] | None:
-    """The machines of an active instance, outer regions before inner ones; None where a codel has no time."""
+def build_machines(deployment: Deployment, times: Times) -> dict[str, tuple[Machine, ...] | None]:
+    """The machines of each active instance, outer regions before inner ones; None where a codel has no time."""
+    architecture = deployment.architecture
     connected = services(architecture)
-    costs = _Costs(instance, connected, times, waiting_messages(instance, architecture), ())
-    try:
-        requests = tuple(
-            CostPart(str(id_ := CodelId(instance.component.name, operation.codel)), times[id_])
-            for _, operation in owner_requests(instance, architecture)
-        )
-        costs = _Costs(instance, connected, times, costs.messages, requests)
-        return tuple(_machines(instance.component.regions, instance, (), costs, False))
-    except KeyError:
-        return None
+    instances = {instance.name: instance for instance in architecture.instances}
+    incoming: dict[str, list[DataConnection]] = {}
+    for connection in architecture.data:
+        incoming.setdefault(connection.target.instance, []).append(connection)
+    threads = placement(deployment)
+    built: dict[str, tuple[Machine, ...] | None] = {}
+    for instance in architecture.instances:
+        if not instance.active:
+            continue
+        waiting = waiting_messages(instance, incoming.get(instance.name, ()), instances)
+        costs = _Costs(instance, connected, times, waiting)
+        try:
+            regions = instance.component.regions
+            built[instance.name] = tuple(m for region in regions for m in _machines(region, (), costs, threads))
+        except KeyError:
+            built[instance.name] = None
+    return built
 
 
-def waiting_messages(instance: Instance, architecture: Architecture) -> int:
-    """The most messages that may wait at one activation: the sizes of the queues into its ports, 1 for an
-    unbuffered one.
-    """
-    sizes = [c.size or 1 for c in architecture.data if c.target.instance == instance.name]
-    return max(1, sum(sizes))
+def waiting_messages(
+    instance: Instance, incoming: list[DataConnection] | tuple[()], instances: Mapping[str, Instance]
+) -> dict[str, int]:
+    """The most messages that may wait at each in-port at one activation: as many as its queues hold, fewer where less
+    arrive in between; 1 for the value of an unbuffered port."""
+    counts = {port.name: 1 for port in instance.component.ports if port.kind is not PortKind.OUT}
+    queued: dict[str, int] = {}
+    for connection in incoming:
+        if connection.size is not None:
+            port = connection.target.name
+            arrivals = most_arrivals(port, instances[connection.source.instance], instance)
+            held = connection.size if arrivals is None else min(connection.size, arrivals)
+            queued[port] = queued.get(port, 0) + held
+    return counts | queued
+
+
+@dataclass(frozen=True, slots=True)
+class _Parent:
+    """The state around a nested region: whether it may be left and entered again between two activations of it."""
+
+    again: bool
+    period: int | None
+    thread: Thread | None
 
 
 def _machines(
-    regions: tuple[Region, ...], instance: Instance, path: tuple[str, ...], costs: _Costs, nested: bool
+    region: Region,
+    path: tuple[str, ...],
+    costs: _Costs,
+    threads: Mapping[RegionId, Thread],
+    parent: _Parent | None = None,
 ) -> Iterator[Machine]:
-    for region in regions:
-        here = (*path, region.name) if region.name else path
-        id_ = RegionId(instance.name, here)
-        yield Machine(id_, _psm(str(id_), region, costs, nested), region_period(region))
-        for state in region.states:
-            yield from _machines(state.regions, instance, here, costs, True)
+    here = (*path, region.name) if region.name else path
+    id_ = RegionId(costs.instance.name, here)
+    period = region_period(region) or (parent.period if parent else None)
+    thread = threads.get(id_)
+    again = parent is not None and (parent.again or parent.period != period or parent.thread != thread)
+    yield Machine(id_, _psm(str(id_), region, costs, parent is not None, again), period)
+    for state in region.states:
+        to_itself = any(transition.target == state.name for transition in state.transitions)
+        for nested in state.regions:
+            yield from _machines(nested, here, costs, threads, _Parent(again or to_itself, period, thread))
 
 
-def _psm(name: str, region: Region, costs: _Costs, nested: bool) -> Psm:
-    transitions: list[PsmTransition] = []
-    initial = region.state(region.initial)
-    entry = tuple(costs.parts(initial.steps(Role.ENTRY)))
-    start = INACTIVE if nested else START
-    transitions.append(_arc(start, initial.name, entry, "entry"))
+def _psm(name: str, region: Region, costs: _Costs, nested: bool, again: bool) -> Psm:
+    states = {state.name: state for state in region.states}
+    entry = tuple(costs.parts(states[region.initial].steps(Role.ENTRY)))
+    transitions = [_arc(INACTIVE if nested else START, region.initial, entry, "entry")]
     if nested:
         transitions.append(_arc(INACTIVE, INACTIVE, (), "parent not active"))
     for state in region.states:
-        transitions += _from_state(state, region, costs)
+        transitions += _from_state(state, states, costs)
         if nested:
-            parts = [*costs.activation(state), *_guards(state.transitions, costs), *costs.parts(state.steps(Role.EXIT))]
-            transitions.append(_arc(state.name, INACTIVE, tuple(parts), "parent left"))
-    return make_psm(name, start, transitions)
+            left = (*costs.activation(state), *costs.guards(state.transitions), *costs.parts(state.steps(Role.EXIT)))
+            transitions.append(_arc(state.name, INACTIVE, left, "parent left"))
+            if again:
+                transitions.append(_arc(state.name, region.initial, (*left, *entry), "parent left and entered"))
+    return make_psm(name, INACTIVE if nested else START, transitions)
 
 
-def _guards(tried: tuple[Transition, ...], costs: _Costs) -> Iterator[CostPart]:
-    for transition in tried:
-        yield from costs.parts(transition.guards)
-
-
-def _from_state(state: State, region: Region, costs: _Costs) -> Iterator[PsmTransition]:
+def _from_state(state: State, states: Mapping[str, State], costs: _Costs) -> Iterator[PsmTransition]:
     """The transitions that can be taken, in the order they are tried, and the loop where none need be."""
-    step = costs.activation(state)
-    for index, transition in enumerate(state.transitions):
-        target = region.state(transition.target)
-        parts = [
-            *step,
-            *_guards(state.transitions[: index + 1], costs),
-            *costs.parts(state.steps(Role.EXIT)),
-            *costs.parts(transition.do),
-            *costs.parts(target.steps(Role.ENTRY)),
-        ]
-        yield _arc(state.name, target.name, tuple(parts), _words(transition))
+    step = tuple(costs.activation(state))
+    leaving = tuple(costs.parts(state.steps(Role.EXIT)))
+    tried: tuple[CostPart, ...] = ()
+    for transition in state.transitions:
+        tried += tuple(costs.parts(transition.guards))
+        entering = costs.parts(states[transition.target].steps(Role.ENTRY))
+        parts = (*step, *tried, *leaving, *costs.parts(transition.do), *entering)
+        yield _arc(state.name, transition.target, parts, _words(transition))
         if transition.always:
             return
-    yield _arc(state.name, state.name, (*step, *_guards(state.transitions, costs)), "stays")
+    yield _arc(state.name, state.name, (*step, *tried), "stays")
 
 
 def _words(transition: Transition) -> str:

@@ -54,14 +54,15 @@ def _loop_fact(fact: LoopFact, key: int) -> facts.LoopFact:
 def timing_platform(node: Node, handlers: Mapping[str, int]) -> Platform:
     """Context switches, ticks and interrupts of a node; `handlers` gives the cost of each interrupt by name.
 
-    An interrupt pays two context switches, one to its handler and one back.
+    An interrupt pays two context switches, one to its handler and one back. The names have a space in them, which those
+    of tasks have not.
     """
     board = node.board
     interrupts = [
-        Interrupt(one.name, one.every, handlers[one.name] + 2 * board.context_switch)
+        Interrupt(f"interrupt {one.name}", one.every, handlers[one.name] + 2 * board.context_switch)
         for one in node.interrupts
         if one.name in handlers
     ]
     if board.tick_every is not None:
-        interrupts.append(Interrupt("tick", board.tick_every, board.tick_cost, Kind.TICK))
+        interrupts.append(Interrupt("system tick", board.tick_every, board.tick_cost, Kind.TICK))
     return Platform(board.context_switch, tuple(interrupts))

@@ -5,18 +5,17 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
-from mauve.diagnostics.diagnostic import Diagnostic, Fix, Label, Report, Severity
+from mauve.diagnostics.diagnostic import Diagnostic, Fix, Label, Report
 from mauve.model.connections import resolve_connections
 from mauve.model.execution import execution_settings
 from mauve.model.model import Architecture, Component, ComponentKind, Endpoint, Instance, PortKind, Setting
 from mauve.model.names import Scope, duplicate, unknown
-from mauve.model.periods import region_period
+from mauve.model.periods import instance_period
 from mauve.model.priorities import rate_monotonic
 from mauve.model.typing import TypeTable, check_value
 from mauve.model.wakeups import check_separations
 from mauve.source import Span
 from mauve.syntax import ast
-from mauve.units import format_time
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,7 +28,7 @@ class Context:
 
 
 def resolve_architecture(declaration: ast.ArchitectureDecl, context: Context, report: Report) -> Architecture:
-    """The architecture of a declaration, with defaults applied and reported (MV420)."""
+    """The architecture of a declaration, with defaults applied and marked."""
     instances: dict[str, Instance] = {}
     failed: set[str] = set()
     for item in declaration.instances:
@@ -42,13 +41,26 @@ def resolve_architecture(declaration: ast.ArchitectureDecl, context: Context, re
             failed.add(item.name.text)
         else:
             instances[item.name.text] = instance
-    with_defaults = apply_defaults(tuple(instances.values()), report)
+    _check_component_names(tuple(instances.values()), report)
+    with_defaults = apply_defaults(tuple(instances.values()))
     instances = {instance.name: instance for instance in with_defaults}
     external = _external(declaration, instances, failed, report)
     data, services = resolve_connections(declaration, instances, frozenset(failed), external, report)
-    check_separations(data, instances, report)
     endpoints = tuple(endpoint for endpoint, _ in external)
+    check_separations(data, endpoints, instances, report)
     return Architecture(declaration.name.text, with_defaults, data, services, endpoints, declaration.name.span)
+
+
+def _check_component_names(instances: tuple[Instance, ...], report: Report) -> None:
+    """Codels are told apart by the name of their component: one architecture has no two components of one name."""
+    first: dict[str, Instance] = {}
+    for instance in instances:
+        other = first.setdefault(instance.component.name, instance)
+        if other.component is not instance.component:
+            message = f"`{instance.name}` and `{other.name}` are of different components named `{other.component.name}`"
+            labels = (Label(other.component.span, "one"), Label(instance.component.span, "the other"))
+            help_ = Fix("rename one of the components")
+            report.add(Diagnostic("MV103", message, Label(instance.span), labels=labels, help=help_))
 
 
 def _instance(item: ast.InstanceDecl, context: Context, report: Report) -> Instance | None:
@@ -94,17 +106,14 @@ def _check_activation(
     if {ast.Execution.PERIOD, ast.Execution.SPORADIC} <= written:
         message = f"`{name}` is both periodic and sporadic"
         report.add(Diagnostic("MV401", message, Label(name.span), help=Fix("keep one of `period` and `sporadic`")))
-    if not {ast.Execution.PERIOD, ast.Execution.SPORADIC} & written and not _own_periods(component):
+    if {ast.Execution.PERIOD, ast.Execution.SPORADIC} & written or not component.regions:
+        return
+    if instance_period(instance) is None:
         events = [port.name for port in component.ports if port.kind is PortKind.EVENT]
         help_ = Fix("write `{ period 10ms }`")
         if events:
             help_ = Fix(f"it is woken by `{events[0]}`: write `{{ sporadic 20ms }}`, the least time between two events")
         report.add(Diagnostic("MV401", f"nothing says when `{name}` runs", Label(name.span, "no period"), help=help_))
-
-
-def _own_periods(component: Component) -> bool:
-    """Whether every region steps with a period of its own."""
-    return bool(component.regions) and all(region_period(region) is not None for region in component.regions)
 
 
 def _check_assignments(
@@ -126,31 +135,29 @@ def _check_assignments(
         seen.setdefault(name.text, name.span)
 
 
-def apply_defaults(instances: tuple[Instance, ...], report: Report) -> tuple[Instance, ...]:
-    """Seed 001, section IV.D: the deadline is the period, a shorter period has the higher priority; each default
-    is a note."""
-    priorities = rate_monotonic(
-        tuple(
-            (i.period.value if i.period else 0, i.priority.value if i.priority else None) for i in instances if i.active
+def apply_defaults(instances: tuple[Instance, ...]) -> tuple[Instance, ...]:
+    """Seed 001, section IV.D: the deadline is the period, a shorter period has the higher priority. Values taken by
+    default are marked; they are reported where a deployment uses them."""
+    active = [instance for instance in instances if instance.active]
+    periods = {instance.name: instance_period(instance) for instance in active}
+    ranks = rate_monotonic([(periods[i.name] or 0, i.priority.value if i.priority else None) for i in active])
+    ranked = {i.name: Setting(rank, None, "rate monotonic") for i, rank in zip(active, ranks, strict=True)}
+    return tuple(
+        replace(
+            instance,
+            priority=instance.priority or ranked[instance.name],
+            deadline=_deadline(instance, periods[instance.name]),
         )
+        if instance.active
+        else instance
+        for instance in instances
     )
-    result: list[Instance] = []
-    for instance in instances:
-        if not instance.active:
-            result.append(instance)
-            continue
-        priority, rank = instance.priority, next(priorities)
-        if priority is None:
-            priority = Setting(rank, None, "rate monotonic")
-            message = f"`{instance.name}` has no priority; it gets {rank}, rate monotonic"
-            report.add(Diagnostic("MV420", message, Label(instance.span), Severity.NOTE))
-        deadline = instance.deadline
-        if deadline is None and instance.period is not None:
-            deadline = Setting(instance.period.value, None, "the period")
-            message = f"`{instance.name}` has no deadline; it gets its period, {format_time(deadline.value)}"
-            report.add(Diagnostic("MV420", message, Label(instance.span), Severity.NOTE))
-        result.append(replace(instance, priority=priority, deadline=deadline))
-    return tuple(result)
+
+
+def _deadline(instance: Instance, period: int | None) -> Setting | None:
+    if instance.deadline is not None or period is None:
+        return instance.deadline
+    return Setting(period, None, "the period")
 
 
 def _external(

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
-from mauve.diagnostics.diagnostic import Diagnostic, Fix, Label, Report
+from mauve.diagnostics.diagnostic import Diagnostic, Fix, Label, Report, Severity
 from mauve.model.model import (
     Activity,
     CallMethod,
@@ -165,14 +165,8 @@ def _check_shadowed(transitions: tuple[Transition, ...], report: Report) -> None
             help_ = Fix(
                 "transitions are tried in the order written: give the earlier one a guard, or move it to the end"
             )
-            report.add(_warning("MV306", message, Label(later.span), labels, help_))
+            report.add(Diagnostic("MV306", message, Label(later.span), Severity.WARNING, labels, help=help_))
             return
-
-
-def _warning(code: str, message: str, primary: Label, labels: tuple[Label, ...], help_: Fix | None) -> Diagnostic:
-    from mauve.diagnostics.diagnostic import Severity
-
-    return Diagnostic(code, message, primary, Severity.WARNING, labels, help=help_)
 
 
 def _activity(activity: ast.Activity, members: Members, hooks: Hooks | None, report: Report) -> Activity:
@@ -218,7 +212,7 @@ def _transition(
             message = f"`{members.component}` has no event `{name}`"
             report.add(unknown("MV108", message, label, name.span, members.events, "an event"))
     guards = tuple(_guards(transition.guard, members, report)) if transition.guard else ()
-    after = time_of(transition.after, report) if transition.after else None
+    after = (_positive(transition.after, "a delay", report) or 1) if transition.after else None
     do = _steps(transition.do, members, hooks, report)
     emit = tuple(name.text for name in transition.emit)
     if target not in states:
@@ -248,8 +242,7 @@ def _guards(guard: ast.Guard, members: Members, report: Report) -> Iterator[RunC
             codel = members.codels.get(name.text)
             if codel is None:
                 report.add(unknown_codel(name, members))
-                return
-            if codel.returns != BUILT_IN["bool"]:
+            elif codel.returns != BUILT_IN["bool"]:
                 returned = f"returns `{codel.returns}`" if codel.returns else "returns nothing"
                 message = f"`{name}` cannot be a guard: it {returned}"
                 labels = (Label(codel.span, "declared here"),)
@@ -279,14 +272,15 @@ def _steps(steps: tuple[ast.Step, ...], members: Members, hooks: Hooks | None, r
                 report.add(
                     Diagnostic("MV307", message, Label(step.span), labels=(Label(codel.span, "declared `init` here"),))
                 )
-            result.append(RunCodel(name.text, step.span))
+            result.append(RunCodel(name.text, step.span, _bound(step)))
         elif step.arguments is None and name.text in members.methods:
             parameters = ", ".join(parameter for parameter, _ in members.methods[name.text].parameters)
             message = f"`{name}` is a method, not a codel"
             report.add(Diagnostic("MV307", message, Label(name.span), help=Fix(f"call it: `{name}({parameters})`")))
         elif step.arguments is not None and name.text in members.methods:
             _check_call(step, members.methods[name.text], members, report)
-            result.append(CallMethod(name.text, step.span))
+            arguments = tuple(argument.text for argument in step.arguments)
+            result.append(CallMethod(name.text, step.span, arguments, _bound(step)))
         elif step.arguments is not None and name.text in members.codels:
             message = f"`{name}` is a codel, its arguments follow from what it reads and writes"
             report.add(Diagnostic("MV307", message, Label(step.span), help=Fix(f"write `{name}`")))
@@ -298,6 +292,10 @@ def _steps(steps: tuple[ast.Step, ...], members: Members, hooks: Hooks | None, r
         else:
             report.add(unknown_codel(name, members))
     return tuple(result)
+
+
+def _bound(step: ast.Step) -> str:
+    return step.result.text if step.result else ""
 
 
 def _check_call(step: ast.Step, method: Method, members: Members, report: Report) -> None:

@@ -150,15 +150,14 @@ def _operation(
     codel = members.codels.get(name.text)
     parameters, result = _signature(member, types)
     if codel is None:
-        if member.codel is None and declaration.kind is not ComponentKind.EXTERNAL:
+        if member.codel is None:
             message = f"the operation `{member.name}` has no codel"
             help_ = Fix(f"name the codel that carries it out: `operation {member.name}(...) = CODEL`")
             report.add(Diagnostic("MV107", message, Label(member.name.span), help=help_))
             return None
-        if member.codel is not None:
-            report.add(unknown_codel(name, members))
-            return None
-    if codel is not None and codel.returns != result:
+        report.add(unknown_codel(name, members))
+        return None
+    if codel.returns != result:
         message = f"the codel `{name}` does not return what the operation `{member.name}` promises"
         promised, returned = (f"`{t}`" if t else "nothing" for t in (result, codel.returns))
         labels = (Label(codel.span, f"returns {returned}"),)

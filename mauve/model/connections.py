@@ -18,6 +18,7 @@ from mauve.model.model import (
     Port,
     PortKind,
     Region,
+    RunsIn,
     ServiceConnection,
 )
 from mauve.model.names import unknown
@@ -70,8 +71,8 @@ def resolve_connections(
     report: Report,
 ) -> tuple[tuple[DataConnection, ...], tuple[ServiceConnection, ...]]:
     """The data and service connections; those in error are reported and left out."""
-    data: list[DataConnection] = []
-    services: list[ServiceConnection] = []
+    data: dict[tuple[Endpoint, Endpoint], DataConnection] = {}
+    services: dict[Endpoint, ServiceConnection] = {}
     touched: set[Endpoint] = set()
     for item in declaration.connections:
         source = _end(item.source, instances, failed, report, True)
@@ -83,14 +84,14 @@ def resolve_connections(
             if isinstance(source.item, Port) and isinstance(target.item, Port):
                 connection = _data(item, source, target, report)
                 if connection is not None and _fresh(connection, data, report):
-                    data.append(connection)
+                    data[connection.source, connection.target] = connection
             elif isinstance(source.item, Method) and isinstance(target.item, Operation):
                 service = _service(item, source, target, report)
                 if service is not None and _method_free(service, services, report):
-                    services.append(service)
-    check_queues(tuple(data), instances, report)
-    _check_unconnected(instances, data, services, external, touched, report)
-    return tuple(data), tuple(services)
+                    services[service.caller] = service
+    check_queues(tuple(data.values()), instances, report)
+    _check_unconnected(instances, tuple(data.values()), external, touched, report)
+    return tuple(data.values()), tuple(services.values())
 
 
 def _touched(source: ast.Path, target: ast.Path) -> set[Endpoint]:
@@ -199,13 +200,14 @@ def _size(policy: ast.Policy, target: _End, report: Report) -> int:
     return size.integer
 
 
-def _fresh(connection: DataConnection, earlier: list[DataConnection], report: Report) -> bool:
-    for other in earlier:
-        if (other.source, other.target) == (connection.source, connection.target):
-            message = f"`{connection.source}` is connected to `{connection.target}` twice"
-            report.add(Diagnostic("MV212", message, Label(connection.span), labels=(Label(other.span, "first here"),)))
-            return False
-    return True
+def _fresh(
+    connection: DataConnection, earlier: Mapping[tuple[Endpoint, Endpoint], DataConnection], report: Report
+) -> bool:
+    other = earlier.get((connection.source, connection.target))
+    if other is not None:
+        message = f"`{connection.source}` is connected to `{connection.target}` twice"
+        report.add(Diagnostic("MV212", message, Label(connection.span), labels=(Label(other.span, "first here"),)))
+    return other is None
 
 
 def _service(item: ast.ConnectDecl, source: _End, target: _End, report: Report) -> ServiceConnection | None:
@@ -224,6 +226,12 @@ def _service(item: ast.ConnectDecl, source: _End, target: _End, report: Report) 
         message = f"the method `{method.name}` and the operation `{operation.name}` have different signatures"
         report.add(Diagnostic("MV207", message, Label(source.span.to(target.span)), labels=labels))
         return None
+    if operation.runs is RunsIn.OWNER:
+        owner = Label(operation.span, "it runs in the task of its owner")
+        message = f"the wait for `{target.endpoint}` is not analysed, so `{source.endpoint}` cannot call it"
+        help_ = Fix("let it run in its caller (`runs in caller`), or exchange request and answer through ports")
+        report.add(Diagnostic("MV311", message, Label(source.span.to(target.span)), labels=(owner,), help=help_))
+        return None
     return ServiceConnection(source.endpoint, target.endpoint, source.span.to(target.span))
 
 
@@ -232,19 +240,17 @@ def _signature(service: Method | Operation) -> str:
     return f"{service.name}({parameters})" + (f": {service.result}" if service.result else "")
 
 
-def _method_free(service: ServiceConnection, earlier: list[ServiceConnection], report: Report) -> bool:
-    for other in earlier:
-        if other.caller == service.caller:
-            message = f"the method `{service.caller}` is connected to two operations"
-            report.add(Diagnostic("MV212", message, Label(service.span), labels=(Label(other.span, "first here"),)))
-            return False
-    return True
+def _method_free(service: ServiceConnection, earlier: Mapping[Endpoint, ServiceConnection], report: Report) -> bool:
+    other = earlier.get(service.caller)
+    if other is not None:
+        message = f"the method `{service.caller}` is connected to two operations"
+        report.add(Diagnostic("MV212", message, Label(service.span), labels=(Label(other.span, "first here"),)))
+    return other is None
 
 
 def _check_unconnected(
     instances: Mapping[str, Instance],
-    data: list[DataConnection],
-    services: list[ServiceConnection],
+    data: tuple[DataConnection, ...],
     external: list[tuple[Endpoint, Span]],
     touched: set[Endpoint],
     report: Report,
@@ -257,8 +263,7 @@ def _check_unconnected(
             labels = (Label(written[endpoint].span, "written by this connection"),)
             message = f"`{endpoint}` is written inside the model, so it is not external"
             report.add(Diagnostic("MV212", message, Label(span), labels=labels))
-    known = set(written) | {endpoint for endpoint, _ in external} | touched
-    provided = {service.caller for service in services} | touched
+    known = {endpoint for endpoint, _ in external} | touched
     for instance in instances.values():
         if instance.component.kind is ComponentKind.EXTERNAL:
             continue
@@ -269,7 +274,7 @@ def _check_unconnected(
         called = set(_called(instance.component.regions))
         for method in instance.component.methods:
             endpoint = Endpoint(instance.name, method.name)
-            if endpoint not in provided and method.name in called:
+            if endpoint not in touched and method.name in called:
                 message = f"nothing provides `{endpoint}`, which `{instance.component.name}` calls"
                 labels = (Label(method.span, "the method is declared here"),)
                 help_ = Fix(f"write `connect {endpoint} -> PROVIDER.OPERATION`")

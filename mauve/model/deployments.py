@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from mauve.diagnostics.diagnostic import Diagnostic, Fix, Label, Report
 from mauve.model.model import (
@@ -19,10 +19,13 @@ from mauve.model.model import (
     Node,
 )
 from mauve.model.names import Scope, duplicate, unknown
-from mauve.model.threads import check_placement, resolve_threads
+from mauve.model.threads import check_placement, resolve_thread
 from mauve.source import Span
 from mauve.syntax import ast
 from mauve.syntax.quantities import time_of
+
+CEILING = "immediate_ceiling"
+"""The locking protocol of the analysis."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,13 +62,20 @@ def resolve_deployment(declaration: ast.DeploymentDecl, platform: Platform, repo
         for item in _merged_nodes(chain, report)
         if (node := _node(item, architecture, platform, report)) is not None
     )
+    if not nodes and not declaration.abstract and not _has_nodes(chain):
+        help_ = Fix("write `node NAME on BOARD { ... }`")
+        report.add(Diagnostic("MV407", f"`{declaration.name}` has no node", Label(declaration.name.span), help=help_))
     result = Deployment(
         declaration.name.text, declaration.abstract, architecture, nodes,
-        next((d.expect_unschedulable for d in chain if d.expect_unschedulable), None), declaration.name.span,
+        declaration.expect_unschedulable, declaration.name.span,
     )  # fmt: skip
     if not declaration.abstract:
         check_placement(result, report)
     return result
+
+
+def _has_nodes(chain: tuple[ast.DeploymentDecl, ...]) -> bool:
+    return any(deployment.nodes for deployment in chain)
 
 
 def _chain(
@@ -91,64 +101,74 @@ def _chain(
 
 @dataclass(slots=True)
 class MergedNode:
-    """A node with its processes, after inheritance: later declarations replace threads of the same name and add
-    the rest."""
+    """A node after inheritance: later declarations replace processes' threads of the same name and add the rest."""
 
     declaration: ast.NodeDecl
-    binaries: list[ast.BinaryDecl]
-    assumes: list[ast.AssumeDecl]
-    interrupts: list[ast.InterruptDecl]
-    schedules: list[ast.ScheduleDecl]
-    exchanges: list[ast.ExchangeDecl]
-    threads: dict[str, ast.ThreadDecl]
-    processes: set[str]
+    binaries: list[ast.BinaryDecl] = field(default_factory=list)
+    assumes: list[ast.AssumeDecl] = field(default_factory=list)
+    interrupts: dict[str, ast.InterruptDecl] = field(default_factory=dict)
+    schedules: list[ast.ScheduleDecl] = field(default_factory=list)
+    exchanges: list[ast.ExchangeDecl] = field(default_factory=list)
+    threads: dict[str, tuple[str, ast.ThreadDecl]] = field(default_factory=dict)
+    locks: dict[str, list[ast.LockDecl]] = field(default_factory=dict)
 
 
 def _merged_nodes(chain: tuple[ast.DeploymentDecl, ...], report: Report) -> list[MergedNode]:
     nodes: dict[str, MergedNode] = {}
     for deployment in reversed(chain):
         own: dict[str, Span] = {}
+        taken: dict[str, dict[str, Span]] = {}
         for node in deployment.nodes:
             if node.name.text in own:
                 report.add(duplicate("node", node.name, own[node.name.text]))
                 continue
             own[node.name.text] = node.name.span
-            merged = nodes.get(node.name.text)
-            if merged is None:
-                merged = nodes[node.name.text] = MergedNode(node, [], [], [], [], [], {}, set())
-            merged.declaration = node
-            merged.binaries += node.binaries
-            merged.assumes = [*node.assumes, *merged.assumes]
-            merged.interrupts += node.interrupts
-            merged.schedules += node.schedules
+            merged = nodes.setdefault(node.name.text, MergedNode(node))
+            _merge_node(merged, node, report)
             for process in node.processes:
-                _merge_process(merged, process.name.parts[-1].text, process, report)
+                name = process.name.parts[-1].text
+                _merge_process(merged, name, process, taken.setdefault(node.name.text, {}), report)
         for process in deployment.processes:
             parts = process.name.parts
             holder = nodes.get(parts[0].text)
-            if len(parts) != 2 or holder is None or parts[1].text not in holder.processes:
-                known = [f"{n}.{p}" for n, m in nodes.items() for p in sorted(m.processes)]
+            if len(parts) != 2 or holder is None or parts[1].text not in holder.locks:
+                known = [f"{n}.{p}" for n, m in nodes.items() for p in sorted(m.locks)]
                 label = "its processes are " + ", ".join(f"`{k}`" for k in known) if known else "it inherits no process"
                 message = f"`{deployment.name}` has no process `{process.name}`"
                 report.add(unknown("MV100", message, label, process.name.span, [], "a process"))
                 continue
-            _merge_process(holder, parts[1].text, process, report)
+            _merge_process(holder, parts[1].text, process, taken.setdefault(parts[0].text, {}), report)
     return list(nodes.values())
 
 
-def _merge_process(node: MergedNode, name: str, process: ast.ProcessDecl, report: Report) -> None:
-    node.processes.add(name)
+def _merge_node(merged: MergedNode, node: ast.NodeDecl, report: Report) -> None:
+    merged.declaration = node
+    merged.binaries += node.binaries
+    merged.assumes = [*node.assumes, *merged.assumes]
+    merged.schedules += node.schedules
+    own: dict[str, Span] = {}
+    for interrupt in node.interrupts:
+        name = interrupt.name
+        if name.text in own:
+            report.add(duplicate("interrupt", name, own[name.text]))
+            continue
+        own[name.text] = name.span
+        merged.interrupts[name.text] = interrupt
+
+
+def _merge_process(node: MergedNode, name: str, process: ast.ProcessDecl, own: dict[str, Span], report: Report) -> None:
+    """`own` are the threads that this deployment has declared in this node: their names are unique."""
+    node.locks.setdefault(name, []).extend(process.locks)
     node.binaries += process.binaries
     node.assumes = [*process.assumes, *node.assumes]
     node.schedules += process.schedules
     node.exchanges += process.exchanges
-    own: dict[str, Span] = {}
     for thread in process.threads:
         if thread.name.text in own:
             report.add(duplicate("thread", thread.name, own[thread.name.text]))
             continue
         own[thread.name.text] = thread.name.span
-        node.threads[thread.name.text] = thread
+        node.threads[thread.name.text] = (name, thread)
 
 
 def _node(item: MergedNode, architecture: Architecture, platform: Platform, report: Report) -> Node | None:
@@ -156,15 +176,21 @@ def _node(item: MergedNode, architecture: Architecture, platform: Platform, repo
     components = {instance.component.name: instance.component for instance in architecture.instances}
     binaries = tuple(_binary(b, components, platform.directory, report) for b in item.binaries)
     assumptions = tuple(a for decl in item.assumes for a in _assumptions(decl, components, report))
-    interrupts = tuple(i for decl in item.interrupts if (i := _interrupt(decl, bool(binaries), report)) is not None)
-    policies = _schedules(item, report)
-    threads = resolve_threads(tuple(item.threads.values()), architecture, report)
+    resolved = (_interrupt(decl, bool(binaries), report) for decl in item.interrupts.values())
+    interrupts = tuple(interrupt for interrupt in resolved if interrupt is not None)
+    monotonic = _rate_monotonic(item, report)
+    locked = {name for name, locks in item.locks.items() if _ceilings(locks, report)}
+    threads = tuple(
+        resolve_thread(thread, process, process in locked, architecture, report)
+        for process, thread in item.threads.values()
+    )
     exchanges = tuple(e for decl in item.exchanges if (e := _exchange(decl, architecture, report)) is not None)
     if board is None:
         return None
     name = item.declaration.name
-    monotonic = "rate_monotonic" in policies
-    return Node(name.text, board, binaries, assumptions, interrupts, threads, exchanges, monotonic, name.span)
+    return Node(
+        name.text, board, binaries, assumptions, interrupts, threads, exchanges, monotonic, bool(locked), name.span
+    )  # fmt: skip
 
 
 def _board(node: ast.NodeDecl, platform: Platform, report: Report) -> Board | None:
@@ -185,15 +211,29 @@ def _board(node: ast.NodeDecl, platform: Platform, report: Report) -> Board | No
     return platform.boards.get(id(found))
 
 
-def _schedules(item: MergedNode, report: Report) -> set[str]:
+def _rate_monotonic(item: MergedNode, report: Report) -> bool:
+    """Whether the node asks for rate-monotonic priorities; MV407 for a schedule that is not analysed."""
     known = ("fixed_priority", "rate_monotonic")
-    policies = {schedule.policy.text for schedule in item.schedules}
     for schedule in item.schedules:
-        if schedule.policy.text not in known:
-            message = f"`{schedule.policy}` is no scheduling policy that is analysed"
+        policy = schedule.policy
+        if policy.text not in known:
+            message = f"`{policy}` is no scheduling policy that is analysed"
             label = "the policies are " + ", ".join(f"`{name}`" for name in known)
-            report.add(unknown("MV407", message, label, schedule.policy.span, list(known), "a policy"))
-    return policies
+            report.add(unknown("MV407", message, label, policy.span, list(known), "a policy"))
+        elif not schedule.preemptive:
+            message = "non-preemptive scheduling is not analysed"
+            help_ = Fix(f"write `schedule {policy} preemptive`")
+            report.add(Diagnostic("MV407", message, Label(schedule.span), help=help_))
+    return bool(item.schedules) and item.schedules[-1].policy.text == "rate_monotonic"
+
+
+def _ceilings(locks: list[ast.LockDecl], report: Report) -> bool:
+    """Whether a process protects shared data by immediate ceilings; MV407 for another protocol."""
+    for lock in locks:
+        if lock.protocol.text != CEILING:
+            message = f"the locking protocol `{lock.protocol}` is not analysed"
+            report.add(unknown("MV407", message, f"`{CEILING}` is", lock.protocol.span, [CEILING], "a protocol"))
+    return bool(locks)
 
 
 def _codel(path: ast.Path, components: Mapping[str, Component], report: Report) -> CodelId | None:

@@ -85,18 +85,21 @@ class Method:
 
 @dataclass(frozen=True, slots=True)
 class RunCodel:
-    """A step that executes a codel of the component."""
+    """A step that executes a codel of the component; `result` is the variable that takes what it returns."""
 
     codel: str
     span: Span
+    result: str = ""
 
 
 @dataclass(frozen=True, slots=True)
 class CallMethod:
-    """A step that calls a required service."""
+    """A step that calls a required service with `arguments` of the component; `result` takes what it returns."""
 
     method: str
     span: Span
+    arguments: tuple[str, ...] = ()
+    result: str = ""
 
 
 Step = RunCodel | CallMethod
@@ -192,7 +195,8 @@ class Component:
 @dataclass(frozen=True, slots=True)
 class Instance:
     """A component in an architecture. Periodic (`period`), or sporadic with a least separation (`period` too,
-    `sporadic` true). Passive and external instances have neither period, priority nor deadline."""
+    `sporadic` true). Passive instances have neither period, priority nor deadline, external ones no priority and
+    deadline. The analysis takes every phasing for possible, so it does not use `offset`."""
 
     name: str
     component: Component
@@ -373,19 +377,24 @@ class RegionId:
 
 @dataclass(frozen=True, slots=True)
 class Thread:
-    """A task of the operating system that executes regions. `period` is the gcd of theirs unless written."""
+    """A task of the operating system that executes regions. `period` is the gcd of theirs unless written; `process`
+    the address space it belongs to, `locked` whether that protects shared data by immediate priority ceilings."""
 
     name: str
     members: tuple[tuple[RegionId, Span], ...]
     period: Setting | None
     deadline: Setting | None
     priority: Setting | None
+    jitter: int
+    process: str
+    locked: bool
     span: Span
 
 
 @dataclass(frozen=True, slots=True)
 class Node:
-    """A board with what runs on it. `threads` is empty when every active instance is a task of its own."""
+    """A board with what runs on it. `threads` is empty when every active instance is a task of its own; `locked` then
+    says that they protect shared data by immediate ceilings."""
 
     name: str
     board: Board
@@ -395,6 +404,7 @@ class Node:
     threads: tuple[Thread, ...]
     exchanges: tuple[tuple[str, int, Span], ...]
     rate_monotonic: bool
+    locked: bool
     span: Span
 
 

@@ -11,6 +11,8 @@ from collections.abc import Mapping
 
 from mauve.diagnostics.diagnostic import Diagnostic, Fix, Label, Report
 from mauve.model.model import DataConnection, Endpoint, Instance
+from mauve.model.periods import instance_period
+from mauve.model.wakeups import event_ports
 from mauve.units import format_time
 
 
@@ -38,30 +40,40 @@ def _check_fan_in(target: Endpoint, writers: list[DataConnection], report: Repor
     report.add(Diagnostic("MV205", message, primary, labels=others, help=help_))
 
 
-def most_arrivals(producer: Instance, consumer: Instance) -> int | None:
-    """The most elements between two copies of the consumer; None where a rate is not known."""
-    if producer.period is None or consumer.period is None:
+def most_arrivals(port: str, producer: Instance, consumer: Instance) -> int | None:
+    """The most elements from `producer` between two copies of the consumer's `port`; None where nothing bounds it.
+
+    A sporadic consumer may sleep for ever, except that an element of one of its event ports wakes it: what waits then
+    has arrived within its own release jitter.
+    """
+    period, window = instance_period(producer), instance_period(consumer)
+    if consumer.sporadic:
+        window = 0 if port in event_ports(consumer) else None
+    if period is None or window is None:
         return None
-    delay = producer.deadline.value if producer.deadline is not None else producer.period.value
-    window = consumer.period.value + consumer.jitter + producer.jitter + delay
-    return -(-window // producer.period.value)
+    delay = producer.deadline.value if producer.deadline is not None else period
+    span = window + consumer.jitter + producer.jitter + delay
+    return span // period + 1 if consumer.sporadic else -(-span // period)
 
 
 def _check_overflow(connection: DataConnection, instances: Mapping[str, Instance], report: Report) -> None:
     producer, consumer = instances[connection.source.instance], instances[connection.target.instance]
-    arrivals = most_arrivals(producer, consumer)
+    arrivals = most_arrivals(connection.target.name, producer, consumer)
     help_ = Fix("write what happens then: `drop oldest` or `drop newest`")
     if arrivals is None:
-        who = producer if producer.period is None else consumer
+        who = producer if instance_period(producer) is None else consumer
         message = f"the queue of `{connection.target}` may overflow: nothing bounds the rate of `{who.name}`"
-        report.add(
-            Diagnostic("MV206", message, Label(connection.span), labels=(Label(who.span, "no period"),), help=help_)
-        )
-    elif connection.size is not None and arrivals > connection.size and producer.period and consumer.period:
+        label = Label(who.span, "it may sleep for any time" if who.sporadic else "no period")
+        report.add(Diagnostic("MV206", message, Label(connection.span), labels=(label,), help=help_))
+    elif connection.size is not None and arrivals > connection.size:
         message = f"the queue of `{connection.target}` holds {connection.size} elements, {arrivals} may arrive"
-        note = (
-            f"`{consumer.name}` empties it every {format_time(consumer.period.value)}, "
-            f"`{producer.name}` writes every {format_time(producer.period.value)}"
-        )
+        note = f"{_rate(consumer, 'empties it')}, {_rate(producer, 'writes')}"
         help_ = Fix(f"make it `size {arrivals}`, or write what happens: `drop oldest` or `drop newest`")
         report.add(Diagnostic("MV206", message, Label(connection.span), notes=(note,), help=help_))
+
+
+def _rate(instance: Instance, what: str) -> str:
+    period = format_time(instance_period(instance) or 0)
+    if instance.sporadic:
+        return f"`{instance.name}` {what} at least {period} apart"
+    return f"`{instance.name}` {what} every {period}"

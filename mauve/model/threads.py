@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 
 from mauve.diagnostics.diagnostic import Diagnostic, Fix, Label, Report
 from mauve.model.execution import execution_settings
@@ -15,31 +15,27 @@ PORTS = "ports"
 """The member of an instance that stands for its port exchange."""
 
 
-def resolve_threads(
-    declarations: tuple[ast.ThreadDecl, ...], architecture: Architecture, report: Report
-) -> tuple[Thread, ...]:
-    """The threads of a node with their members bound."""
-    threads: list[Thread] = []
-    for item in declarations:
-        members = tuple(
-            (member, path.span) for path in item.members if (member := _member(path, architecture, report)) is not None
-        )
-        settings = execution_settings(item.attributes, report)
-        threads.append(
-            Thread(
-                item.name.text,
-                members,
-                settings.get(ast.Execution.PERIOD),
-                settings.get(ast.Execution.DEADLINE),
-                settings.get(ast.Execution.PRIORITY),
-                item.name.span,
-            )
-        )
-    return tuple(threads)
-
-
-def _member(path: ast.Path, architecture: Architecture, report: Report) -> RegionId | None:
+def resolve_thread(
+    item: ast.ThreadDecl, process: str, locked: bool, architecture: Architecture, report: Report
+) -> Thread:
+    """A thread with its members bound."""
     instances = {instance.name: instance for instance in architecture.instances}
+    members = tuple(
+        (member, path.span) for path in item.members if (member := _member(path, instances, report)) is not None
+    )
+    settings = execution_settings(item.attributes, report)
+    for kind in (ast.Execution.SPORADIC, ast.Execution.OFFSET):
+        if kind in settings:
+            message = f"a thread has no {kind.value}: it runs as often as its regions ask for"
+            report.add(Diagnostic("MV407", message, Label(settings[kind].span or item.name.span)))
+    jitter = settings.get(ast.Execution.JITTER)
+    return Thread(
+        item.name.text, members, settings.get(ast.Execution.PERIOD), settings.get(ast.Execution.DEADLINE),
+        settings.get(ast.Execution.PRIORITY), jitter.value if jitter else 0, process, locked, item.name.span,
+    )  # fmt: skip
+
+
+def _member(path: ast.Path, instances: Mapping[str, Instance], report: Report) -> RegionId | None:
     first = path.parts[0]
     instance = instances.get(first.text)
     if instance is None:
@@ -83,22 +79,17 @@ def _nested(instance: str, path: tuple[str, ...], regions: tuple[Region, ...]) -
             yield from _nested(instance, here, state.regions)
 
 
-def covering(member: RegionId, region: RegionId) -> bool:
-    """Whether placing `member` places `region`, unless something nearer does."""
-    return member.instance == region.instance and region.path[: len(member.path)] == member.path
-
-
 def placement(deployment: Deployment) -> dict[RegionId, Thread]:
     """The thread that executes each region: that of the nearest member around it."""
-    placed: dict[RegionId, tuple[int, Thread]] = {}
-    for node in deployment.nodes:
-        for thread in node.threads:
-            for member, _ in thread.members:
-                for instance in deployment.architecture.instances:
-                    for region, _r in region_ids(instance):
-                        if covering(member, region) and placed.get(region, (-1, None))[0] < len(member.path):
-                            placed[region] = (len(member.path), thread)
-    return {region: thread for region, (_, thread) in placed.items()}
+    at = {member: thread for node in deployment.nodes for thread in node.threads for member, _ in thread.members}
+    placed: dict[RegionId, Thread] = {}
+    for instance in deployment.architecture.instances:
+        for region, _ in region_ids(instance):
+            around = (RegionId(instance.name, region.path[:n]) for n in range(len(region.path), -1, -1))
+            thread = next((at[member] for member in around if member in at), None)
+            if thread is not None:
+                placed[region] = thread
+    return placed
 
 
 def check_placement(deployment: Deployment, report: Report) -> None:

@@ -29,10 +29,13 @@ class Enum:
 
 @dataclass(frozen=True, slots=True)
 class Struct:
-    """A struct. Two structs are the same type when they have the same qualified name."""
+    """A struct; build it with `make_struct`, which lays it out. Two structs of one name with the same fields are the
+    same type."""
 
     name: str
     fields: tuple[tuple[str, Type], ...]
+    size: int
+    alignment: int
 
     def __str__(self) -> str:
         return self.name
@@ -77,6 +80,16 @@ INTEGER_RANGES: dict[str, tuple[int, int]] = {
 }  # fmt: skip
 
 
+def make_struct(name: str, fields: tuple[tuple[str, Type], ...]) -> Struct:
+    """The struct of these fields, in order, with padding as in C (AAPCS section 5.3.5)."""
+    offset, largest = 0, 1
+    for _, field in fields:
+        align = alignment(field)
+        offset = -(-offset // align) * align + size_of(field)
+        largest = max(largest, align)
+    return Struct(name, fields, -(-offset // largest) * largest, largest)
+
+
 def alignment(type_: Type) -> int:
     """Alignment in bytes (AAPCS section 5)."""
     match type_:
@@ -84,8 +97,8 @@ def alignment(type_: Type) -> int:
             return size
         case Enum():
             return 4
-        case Struct(fields=fields):
-            return max((alignment(field) for _, field in fields), default=1)
+        case Struct(alignment=align):
+            return align
         case Array(element=element):
             return alignment(element)
 
@@ -93,16 +106,9 @@ def alignment(type_: Type) -> int:
 def size_of(type_: Type) -> int:
     """Size in bytes, padding included (AAPCS section 5)."""
     match type_:
-        case Scalar(size=size):
+        case Scalar(size=size) | Struct(size=size):
             return size
         case Enum():
             return 4
-        case Struct(fields=fields):
-            offset = 0
-            for _, field in fields:
-                align = alignment(field)
-                offset = -(-offset // align) * align + size_of(field)
-            align = alignment(type_)
-            return -(-offset // align) * align
         case Array(element=element, length=length):
             return size_of(element) * length

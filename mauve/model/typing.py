@@ -6,13 +6,16 @@ from collections.abc import Mapping
 
 from mauve.diagnostics.diagnostic import Diagnostic, Fix, Label, Report
 from mauve.model.names import Scope, unknown
-from mauve.model.types import BUILT_IN, INTEGER_RANGES, Array, Enum, Scalar, Struct, Type, size_of
+from mauve.model.types import BUILT_IN, INTEGER_RANGES, Array, Enum, Scalar, Struct, Type, make_struct, size_of
 from mauve.source import Span
 from mauve.syntax import ast
 from mauve.syntax.quantities import time_of
 
 LARGEST_OBJECT = 1 << 28
 """Bytes; larger types are refused (MV209), since no target of this tool could hold one."""
+
+DEEPEST_STRUCT = 100
+"""Structs in structs that are resolved at most."""
 
 
 class TypeTable:
@@ -84,8 +87,9 @@ class TypeTable:
         return Enum(declaration.name.text, tuple(seen))
 
     def _struct(self, declaration: ast.StructDecl) -> Struct | None:
-        if declaration in self._open:
-            walk = self._open[self._open.index(declaration) :]
+        if any(declaration is other for other in self._open):
+            at = next(i for i, other in enumerate(self._open) if other is declaration)
+            walk = self._open[at:]
             names = " -> ".join(f"`{d.name}`" for d in (*walk, declaration))
             self._report.add(
                 Diagnostic(
@@ -95,6 +99,10 @@ class TypeTable:
                     notes=(f"the walk is {names}",),
                 )
             )
+            return None
+        if len(self._open) >= DEEPEST_STRUCT:
+            message = f"structs are nested more than {DEEPEST_STRUCT} deep"
+            self._report.add(Diagnostic("MV209", message, Label(declaration.name.span)))
             return None
         self._open.append(declaration)
         fields: dict[str, Type] = {}
@@ -113,7 +121,14 @@ class TypeTable:
             else:
                 fields[field.name.text] = type_
         self._open.pop()
-        return Struct(declaration.name.text, tuple(fields.items())) if complete else None
+        if not complete:
+            return None
+        result = make_struct(declaration.name.text, tuple(fields.items()))
+        if result.size > LARGEST_OBJECT:
+            message = f"the struct `{declaration.name}` takes {result.size} bytes, more than any target can hold"
+            self._report.add(Diagnostic("MV209", message, Label(declaration.name.span, "too large")))
+            return None
+        return result
 
 
 def _builtin_spelling(name: str) -> str | None:
@@ -158,10 +173,14 @@ def _mismatch(value: ast.Value, type_: Type, report: Report) -> tuple[Span, str,
         case Enum(literals=literals), ast.Path() if value.parts[-1].text in literals and len(value.parts) <= 2:
             return None
         case Struct(), ast.Record():
+            written: set[str] = set()
             for field, item in value.fields:
                 field_type = type_.field(field.text)
                 if field_type is None:
                     return field.span, f"`{type_}` has no field `{field}`", type_
+                if field.text in written:
+                    return field.span, f"the field `{field}` is given twice", type_
+                written.add(field.text)
                 problem = _mismatch(item, field_type, report)
                 if problem is not None:
                     return problem

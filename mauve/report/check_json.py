@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from mauve.diagnostics.diagnostic import Diagnostic, Severity
 from mauve.diagnostics.render_json import to_plain
 from mauve.lower.codels import CodelTime
-from mauve.lower.tasks import PlacedTask
+from mauve.lower.placed import PlacedTask
 from mauve.timing.bill import Bill, BillLine, deadline_bill, worst_bill
 from mauve.timing.response import Analysis, ResponseResult
 from mauve.timing.task import Kind, Task, trace_length

@@ -7,7 +7,7 @@ from itertools import groupby
 
 from mauve.diagnostics.style import Role, Style
 from mauve.lower.codels import CodelTime, Source
-from mauve.lower.tasks import PlacedTask
+from mauve.lower.placed import PlacedTask
 from mauve.report.table import Align, Cell, Column, Row, format_table
 from mauve.timing.response import Analysis
 from mauve.timing.task import Kind, Task, trace_length

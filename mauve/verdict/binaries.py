@@ -23,13 +23,10 @@ CODES = {
     ProblemKind.SYMBOL: "MV501",
     ProblemKind.BINARY: "MV502",
     ProblemKind.NOT_ARM: "MV503",
-    ProblemKind.NOT_ARM: "MV503",
     ProblemKind.NOT_A_FUNCTION: "MV505",
     ProblemKind.LIMIT: "MV517",
     ProblemKind.HARDWARE: "MV510",
     ProblemKind.NO_RETURN: "MV508",
-    ProblemKind.BINARY: "MV502",
-    ProblemKind.NOT_ARM: "MV503",
     ProblemKind.FACT_NOWHERE: "MV514",
     ProblemKind.FACT_CONTRADICTED: "MV515",
 }

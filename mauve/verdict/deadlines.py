@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from mauve.diagnostics.diagnostic import Diagnostic, Fix, Label, Report, Severity
-from mauve.lower.tasks import NodeTasks, PlacedTask
+from mauve.lower.placed import NodeTasks, PlacedTask
 from mauve.model.model import Deployment
 from mauve.timing.bill import Bill, BillLine, deadline_bill
 from mauve.timing.response import Analysis, Caveat, Reason, ResponseResult

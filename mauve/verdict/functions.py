@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 
 from mauve.diagnostics.diagnostic import Diagnostic, Fix, Severity
@@ -13,10 +13,13 @@ NAMED = 3
 """How many functions a message names before it counts the others."""
 
 
-def function_diagnostics(path: str, results: Iterable[WcetResult]) -> Iterator[Diagnostic]:
+def function_diagnostics(
+    path: str, results: Iterable[WcetResult], near: Mapping[str, tuple[str, ...]]
+) -> Iterator[Diagnostic]:
     """Each problem once, with the functions that have no bound because of it; then what was noticed about facts.
 
-    `path` names the executable for problems without a place of their own.
+    `path` names the executable for problems without a place of their own; `near` gives the functions that a name may
+    stand for.
     """
     problems: dict[tuple[object, ...], tuple[Problem, list[str]]] = {}
     notes: dict[tuple[object, ...], Problem] = {}
@@ -27,33 +30,28 @@ def function_diagnostics(path: str, results: Iterable[WcetResult]) -> Iterator[D
         for note in result.notes:
             notes.setdefault((note.kind, note.written, note.message), note)
     for problem, names in problems.values():
-        yield _problem(path, problem, names)
+        yield _problem(path, problem, names, near.get(names[0], ()))
     for note in notes.values():
         code, severity = NOTES.get(note.kind, ("MV518", Severity.NOTE))
         yield Diagnostic(code, note.message, severity=severity, place=note.written or path)
 
 
-def _problem(path: str, problem: Problem, names: list[str]) -> Diagnostic:
+def _problem(path: str, problem: Problem, names: list[str], near: tuple[str, ...]) -> Diagnostic:
     if len(names) > 1:
         problem = replace(problem, call_path=())
-    shown = ", ".join(f"`{name}`" for name in names[:NAMED])
-    more = f" and {len(names) - NAMED} more" if len(names) > NAMED else ""
-    located = problem.address is not None or problem.source
-    notes = (f"so these have no WCET: {shown}{more}",) if located or len(names) > 1 else ()
-    return Diagnostic(
-        CODES[problem.kind], problem.message, place=place(problem) or path, notes=notes, help=_help(problem)
-    )
+    message = problem.message
+    if problem.kind is ProblemKind.SYMBOL and near:
+        message += f"; it has {' and '.join(f'`{name}`' for name in near)}"
+    if len(names) > 1:
+        shown = ", ".join(names[:NAMED]) + (f" and {len(names) - NAMED} more" if len(names) > NAMED else "")
+        message += f": no WCET of {shown}"
+    return Diagnostic(CODES[problem.kind], message, place=place(problem) or path, help=_help(problem))
 
 
 def _help(problem: Problem) -> Fix | None:
-    match problem.kind:
-        case ProblemKind.LOOP:
-            where = f'"{problem.source}"' if problem.source else f"{problem.address or 0:#x}"
-            file, _, line = problem.source.rpartition(":")
-            at = f'"{file}":{line}' if problem.source else where
-            return Fix(f"give a bound in a file of flow facts: `loop {at} max N;`")
-        case ProblemKind.SYMBOL if problem.suggestions:
-            near = " or ".join(f"`{name}`" for name in problem.suggestions)
-            return Fix(f"there is {near}")
-        case _:
-            return None
+    """The fact that is missing, as it stands in a file of flow facts."""
+    if problem.kind is not ProblemKind.LOOP:
+        return None
+    file, _, line = problem.source.rpartition(":")
+    where = f'"{file}":{line}' if file else f"{problem.address or 0:#x}"
+    return Fix(f"give a bound in a file of flow facts: `loop {where} max N;`")

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from mauve.diagnostics.diagnostic import Report
 from mauve.lower.codels import CodelTime
 from mauve.lower.machines import Machine
-from mauve.lower.tasks import NodeTasks
+from mauve.lower.placed import NodeTasks
 from mauve.model.model import Deployment, Model
 from mauve.syntax.ast import Module
 from mauve.timing.response import Analysis

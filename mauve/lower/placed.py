@@ -1,0 +1,36 @@
+"""The tasks of a deployment: what each stands for, and which processor it shares."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from mauve.lower.blocking import Section
+from mauve.lower.machines import Machine
+from mauve.model.model import Instance, Node, Setting
+from mauve.source import Span
+from mauve.timing.task import Task
+
+
+@dataclass(frozen=True, slots=True)
+class PlacedTask:
+    """A task with what it stands for: its machines, its instances (not all of their regions need be its own), and the
+    span that its messages point at. `locked` says that its process protects shared data by immediate ceilings."""
+
+    task: Task
+    machines: tuple[Machine, ...]
+    instances: tuple[Instance, ...]
+    span: Span
+    priority: Setting
+    deadline: Setting
+    locked: bool = False
+    sections: tuple[Section, ...] = ()
+    blocker: Section | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class NodeTasks:
+    """The tasks that share one processor. `complete` is False when a task is missing because a codel has no time."""
+
+    node: Node
+    tasks: tuple[PlacedTask, ...]
+    complete: bool
