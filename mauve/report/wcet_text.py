@@ -54,7 +54,7 @@ def format_wcet(
     lines.append(f"  {_count(len(results), 'function')}: {bounded} bounded, {len(results) - bounded} without a bound")
     loops = dict.fromkeys(loop for result in results for loop in result.loops)
     if loops and len(results) <= LOOPS_OF:
-        rows = [_loop(loop) for loop in sorted(loops, key=lambda loop: (loop.function, loop.header, loop.context))]
+        rows = _loops(sorted(loops, key=lambda loop: (loop.function, loop.header, loop.context)))
         lines += ["", *format_table(LOOPS, rows, style, limit=limit)]
         lines.append("  bound: executions of the loop's header each time it is entered; total: in all")
     elif loops:
@@ -70,14 +70,27 @@ def _function(result: WcetResult) -> Row:
     stack = "" if result.stack is None else f"{result.stack} B"
     if result.cycles is None or result.time is None:
         first = result.problems[0] if result.problems else None
-        where = f" ({first.source})" if first is not None and first.source else ""
+        where = f" ({PurePath(first.source).name})" if first is not None and first.source else ""
         more = f", and {len(result.problems) - 1} more" if len(result.problems) > 1 else ""
         return (result.name, "", Cell("none", Role.ERROR), stack, f"{first.message if first else ''}{where}{more}")
     return (result.name, grouped(result.cycles), format_time(result.time), stack, "")
 
 
-def _loop(loop: LoopResult) -> Row:
-    where = loop.source or f"{loop.header:#x}"
+def _place(source: str, address: int) -> str:
+    """A source line without its directories, which a table has no room for; else the address."""
+    return PurePath(source).name if source else f"{address:#x}"
+
+
+def _loops(loops: Sequence[LoopResult]) -> list[Row]:
+    """A row each; the address tells loops of one line apart (compilers copy and unroll loops)."""
+    headers: dict[tuple[str, str], set[int]] = {}
+    for loop in loops:
+        headers.setdefault((loop.source, loop.function), set()).add(loop.header)
+    return [_loop(loop, len(headers[loop.source, loop.function]) > 1) for loop in loops]
+
+
+def _loop(loop: LoopResult, ambiguous: bool) -> Row:
+    where = _place(loop.source, loop.header) + (f" ({loop.header:#x})" if ambiguous and loop.source else "")
     if loop.bound is None and loop.total is None:
         return (where, loop.function, loop.context, Cell("none", Role.ERROR), "", "", "")
     role = Role.PLAIN if loop.origin in (Origin.ANALYSIS, Origin.LIBRARY) else Role.WARNING
@@ -108,7 +121,7 @@ def _worst_path(elf: str, result: WcetResult, style: Style, limit: int | None) -
     dearest = sorted(times.items(), key=lambda item: (-item[1][1], item[0]))
     texts = _Sources(elf)
     rows: list[Row] = [
-        (place, function, grouped(count), grouped(cycles), percent(cycles / whole), texts.line(place))
+        (PurePath(place).name, function, grouped(count), grouped(cycles), percent(cycles / whole), texts.line(place))
         for (place, function), (count, cycles) in dearest[:HOT_LINES]
     ]
     rest = sum(cycles for _, (_, cycles) in dearest[HOT_LINES:])
@@ -121,9 +134,12 @@ def _worst_path(elf: str, result: WcetResult, style: Style, limit: int | None) -
 def _busiest(result: WcetResult) -> list[str]:
     """The loops whose headers run most on the worst path, each once."""
     counts = {block.address: block.count for block in result.blocks}
-    headers = {(loop.source or f"{loop.header:#x}", loop.function): counts.get(loop.header, 0) for loop in result.loops}
+    headers: dict[tuple[str, str], int] = {}
+    for loop in result.loops:
+        place = (_place(loop.source, loop.header), loop.function)
+        headers[place] = max(headers.get(place, 0), counts.get(loop.header, 0))
     busiest = [item for item in sorted(headers.items(), key=lambda item: -item[1]) if item[1] > 1][:3]
-    words = [f"{place} in {function} ({grouped(count)} headers)" for (place, function), count in busiest]
+    words = [f"{name} in {function} ({grouped(count)} times)" for (name, function), count in busiest]
     return [f"  busiest loops: {'; '.join(words)}"] if words else []
 
 

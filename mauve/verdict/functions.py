@@ -45,7 +45,9 @@ def _problem(path: str, problem: Problem, names: list[str], near: tuple[str, ...
     if len(names) > 1:
         shown = ", ".join(names[:NAMED]) + (f" and {len(names) - NAMED} more" if len(names) > NAMED else "")
         message += f": no WCET of {shown}"
-    return Diagnostic(CODES[problem.kind], message, place=place(problem) or path, help=_help(problem))
+    known = problem.address is not None and f"{problem.address:#x}" in message and not problem.call_path[1:]
+    where = problem.source if known and problem.source else place(problem)
+    return Diagnostic(CODES[problem.kind], message, place=where or path, help=_help(problem))
 
 
 def _help(problem: Problem) -> Fix | None:

@@ -52,6 +52,15 @@ def all_functions(path: str | Path) -> tuple[str | int, ...] | Problem:
     return tuple(found.values())
 
 
+def near_names(path: str | Path, wanted: str) -> tuple[str, ...]:
+    """Functions of the executable that a misspelt name may mean; empty where it cannot be read."""
+    from mauve.diagnostics.suggest import closest
+    from mauve.wcet.binary.elf import ElfProblem, load
+
+    binary = load(path)
+    return () if isinstance(binary, ElfProblem) else closest(wanted, binary.function_names())
+
+
 def analyse_batch(
     path: str | Path,
     functions: Sequence[str | int],
