@@ -1,8 +1,8 @@
 """Loop bounds in closed form, from the conditions under which a loop goes on.
 
-At a branch that every iteration passes, both sides of the compare are linear in the number of the iteration (kappa) and in
-symbols that stay the same or move by a known step. Solved as in the affine method of data-flow loop analysis, with wrap-around
-excluded explicitly; an equality is solved by divisibility.
+At a branch that every iteration passes, both sides of the compare are linear in the number of the iteration (kappa)
+and in symbols that stay the same or move by a known step. Solved as in the affine method of data-flow loop analysis,
+with wrap-around excluded explicitly; an equality is solved by divisibility.
 """
 
 from __future__ import annotations
@@ -73,7 +73,8 @@ def _steady(header: Header, value: Value) -> bool:
 
 
 def _until_equal(header: Header, state: State, difference: Value) -> int | None:
-    """Goes on while initial + step * kappa != 0: ends where kappa is -initial / step, if that is always a whole number."""
+    """Goes on while initial + step * kappa != 0: ends where kappa is -initial / step, if that is always a whole
+    number."""
     step = linear.factor_of(difference, header.kappa)
     if step == 0 or not _steady(header, difference):
         return None

@@ -1,14 +1,16 @@
 """Sets of 32-bit values: circular arithmetic progressions, and explicit sets where they are small.
 
-A `Range` stands for {low + k * step mod 2**32 : 0 <= k <= n} with n * step < 2**32; `values` lists its members where they are
-few and no progression. Being circular, one range holds signed and unsigned intervals alike: everything at most 60 as a signed
-number is low = 2**31, n = 2**31 + 60. Every operation returns a superset of the exact result (wrap-around included).
+A `Range` stands for {low + k * step mod 2**32 : 0 <= k <= n} with n * step < 2**32; `values` lists its members where
+they are few and no progression. Being circular, one range holds signed and unsigned intervals alike: everything at
+most 60 as a signed number is low = 2**31, n = 2**31 + 60. Every operation returns a superset of the exact result
+(wrap-around included).
 """
 
 from __future__ import annotations
 
 from bisect import bisect_left, bisect_right
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from itertools import pairwise
 from math import gcd
 
 from mauve.wcet.binary.microop import Op
@@ -121,7 +123,8 @@ def constant(value: int) -> Range:
 
 
 def progression(low: int, step: int, n: int) -> Range:
-    """{low + k * step : 0 <= k <= n}; where that laps the circle, the congruence modulo the step's power of two remains."""
+    """{low + k * step : 0 <= k <= n}; where that laps the circle, the congruence modulo the step's power of two
+    remains."""
     if n == 0 or step == 0:
         return Range(low & MASK, 0, 0)
     if n * step >= MODULUS:
@@ -152,7 +155,7 @@ def of(values: Iterable[int]) -> Range:
     members = sorted({value & MASK for value in values})
     if len(members) == 1:
         return Range(members[0], 0, 0)
-    gaps = [(members[0] - members[-1]) & MASK] + [b - a for a, b in zip(members, members[1:], strict=False)]
+    gaps = [(members[0] - members[-1]) & MASK, *(b - a for a, b in pairwise(members))]
     start = max(range(len(gaps)), key=gaps.__getitem__)
     low = members[start]
     offsets = [(value - low) & MASK for value in members]
@@ -261,7 +264,8 @@ def meet(x: Range, y: Range) -> Range | None:
 
 
 def widen(old: Range, new: Range, thresholds: Sequence[int]) -> Range:
-    """A superset of both that grows in few steps: a side that moves goes on to the next of `thresholds` (sorted words)."""
+    """A superset of both that grows in few steps: a side that moves goes on to the next of `thresholds` (sorted
+    words)."""
     joined = join(old, new)
     if joined == old or includes(old, joined):
         return old
@@ -404,8 +408,7 @@ def _rotate(x: Range, amount: int) -> Range:
     if amount == 0:
         return x
     known, value = _known_bits(x)
-    turn = lambda word: (word >> amount | word << (32 - amount)) & MASK  # noqa: E731
-    return _from_bits(turn(known), turn(value))
+    return _from_bits(_rotate_word(known, amount), _rotate_word(value, amount))
 
 
 def _by_amount(shift: Callable[[Range, int], Range], x: Range, amount: Range) -> Range:

@@ -25,9 +25,10 @@ Place = tuple[int | None, int, int]
 
 @dataclass(frozen=True, slots=True)
 class Summary:
-    """The effect of a function: `results` are the values of r0-r3 on return, as ranges; `writes` the places it may write, in regions
-    of its entry registers, fixed addresses, or None (anywhere but in frames it does not know); `leaks`: an argument may live on in
-    memory; `changed` the callee-saved registers that it changes without having saved them."""
+    """The effect of a function: `results` are the values of r0-r3 on return, as ranges; `writes` the places it may
+    write, in regions of its entry registers, fixed addresses, or None (anywhere but in frames it does not know);
+    `leaks`: an argument may live on in memory; `changed` the callee-saved registers that it changes without having
+    saved them."""
 
     returns: bool
     results: tuple[Range, Range, Range, Range]
@@ -61,7 +62,7 @@ def _result(state: State, register: int) -> Range:
 
 
 def _known_at_entry(place: Place) -> Place:
-    region, low, high = place
+    region = place[0]
     if region in (None, ABSOLUTE, FRAME) or region in {entry_symbol(r) for r in ARGUMENTS}:
         return place
     return None, 0, MASK
@@ -93,7 +94,7 @@ def call(state: State, summary: Summary, record: Record | None) -> State | None:
 
 def _outside(place: Place) -> Place:
     """The place as a caller of this function sees it."""
-    region, low, high = place
+    region, _, high = place
     if region == FRAME and high < 0:
         return FRAME, 0, -1
     return place if region is None or linear.is_entry_symbol(region) or region == ABSOLUTE else (None, 0, MASK)
@@ -144,7 +145,8 @@ def _leave_frame(state: State) -> None:
 
 
 class ProgramCalls:
-    """Calls within a program: effects by key of the callee; `wanted` are callees whose entry states are to be collected."""
+    """Calls within a program: effects by key of the callee; `wanted` are callees whose entry states are to be
+    collected."""
 
     def __init__(self, summaries: Mapping[int, Summary], wanted: frozenset[int]) -> None:
         self.summaries, self.wanted = summaries, wanted
@@ -167,7 +169,8 @@ class ProgramCalls:
 
 
 def enter(caller: State) -> State:
-    """The state in which the callee starts: ranges of its arguments, and the caller's memory near pointers into its frame."""
+    """The state in which the callee starts: ranges of its arguments, and the caller's memory near pointers into its
+    frame."""
     state = State(caller.symbols)
     for register in ARGUMENTS:
         value = caller.regs[register]

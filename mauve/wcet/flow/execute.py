@@ -1,8 +1,9 @@
-"""Abstract execution of a function: every loop either iteration by iteration, or once with a header that holds all iterations.
+"""Abstract execution of a function: every loop either iteration by iteration, or once with a header that holds all
+iterations.
 
-Stepped loops give exact counts (triangular nests included) at the price of their length; summarised loops (`Header`) cost a few
-passes whatever their length and get their bounds in closed form. Which loop is treated how is decided by the caller and by a budget
-of steps: a stepped loop that exceeds its share is summarised instead.
+Stepped loops give exact counts (triangular nests included) at the price of their length; summarised loops (`Header`)
+cost a few passes whatever their length and get their bounds in closed form. Which loop is treated how is decided by
+the caller and by a budget of steps: a stepped loop that exceeds its share is summarised instead.
 """
 
 from __future__ import annotations
@@ -47,10 +48,11 @@ MOST_SPLITS = 8
 
 @dataclass(slots=True)
 class Record:
-    """What a sound pass over the whole function saw. `visits` and `totals` count executions of loop headers (per entry, per
-    execution of the function); `accesses` and `writes` are places (region, first byte, last byte), region None anywhere; `saved` the
-    callee-saved registers put on the stack; `leaks`: an argument may have been stored outside the frame; `calls` the state before
-    each call that asked for it by (edge, callee); `targets` the values of indirect branches by instruction address."""
+    """What a sound pass over the whole function saw. `visits` and `totals` count executions of loop headers (per
+    entry, per execution of the function); `accesses` and `writes` are places (region, first byte, last byte), region
+    None anywhere; `saved` the callee-saved registers put on the stack; `leaks`: an argument may have been stored
+    outside the frame; `calls` the state before each call that asked for it by (edge, callee); `targets` the values
+    of indirect branches by instruction address."""
 
     visits: dict[int, int | None] = field(default_factory=dict)
     methods: dict[int, str] = field(default_factory=dict)
@@ -71,15 +73,15 @@ class Calls(Protocol):
     """What happens between a call and its return."""
 
     def apply(self, state: State, index: int, edge: Edge, record: Record | None) -> State | None:
-        """The state after the call on edge `index`, or None when no callee returns. May change `state`; adds the callee's
-        writes to the record."""
+        """The state after the call on edge `index`, or None when no callee returns. May change `state`; adds the
+        callee's writes to the record."""
 
 
 @dataclass(frozen=True, slots=True)
 class Policy:
-    """`stepped`: loops to execute iteration by iteration; `width`: states kept apart where paths meet; `steps`: instructions to
-    execute before giving up stepping; `passes`: to find a header that holds all iterations; `most`: instructions to execute in
-    summarised loops before giving up altogether."""
+    """`stepped`: loops to execute iteration by iteration; `width`: states kept apart where paths meet; `steps`:
+    instructions to execute before giving up stepping; `passes`: to find a header that holds all iterations; `most`:
+    instructions to execute in summarised loops before giving up altogether."""
 
     stepped: frozenset[int]
     width: int = 1
@@ -420,7 +422,8 @@ class Execution:
                 self._deliver(after, edges, leaving)
 
     def _note_stay(self, block: int, last: Instruction, states: States) -> None:
-        """Note under which condition the loop goes on after its exit at the end of this block, for all states that come here."""
+        """Note under which condition the loop goes on after its exit at the end of this block, for all states that
+        come here."""
         region = self.order.innermost[block]
         if self.stays is None or region not in self.stays or block not in self.order.always[region] or not states:
             return
@@ -485,7 +488,8 @@ def _compare_with_zero(state: State, flow: CompareBranch) -> None:
 
 
 def _stands_still(before: States, now: States) -> bool:
-    """Whether nothing that is known has changed between two visits of a header (a heuristic: stepping on would not end)."""
+    """Whether nothing that is known has changed between two visits of a header (a heuristic: stepping on would not
+    end)."""
     return len(before) == len(now) and all(_same(a, b) for a, b in zip(before, now, strict=True))
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 from mauve.wcet.binary.microop import Condition
 from mauve.wcet.flow import domain
 from mauve.wcet.flow.domain import MASK, SIGN, Range, signed
@@ -9,8 +11,7 @@ from mauve.wcet.flow.domain import MASK, SIGN, Range, signed
 ANY = 0xFFFF
 
 
-def _where(test: object) -> int:
-    assert callable(test)
+def _where(test: Callable[[bool, bool, bool, bool], bool]) -> int:
     return sum(1 << i for i in range(16) if test(bool(i & 8), bool(i & 4), bool(i & 2), bool(i & 1)))
 
 
@@ -73,7 +74,8 @@ def _result(value: Range) -> int:
 
 
 def of_subtraction(a: Range, b: Range, difference: Range, ordered: int | None = None) -> int:
-    """Flags of a - b; `difference` may know more than a and b alone; `ordered` the sign of a - b where both are addresses of one object."""
+    """Flags of a - b; `difference` may know more than a and b alone; `ordered` the sign of a - b where both are
+    addresses of one object."""
     low_a, high_a = a.unsigned_bounds()
     low_b, high_b = b.unsigned_bounds()
     zero, equal = 0 in difference, difference.n == 0 and difference.low == 0

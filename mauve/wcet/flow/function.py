@@ -29,8 +29,8 @@ Ranking = Callable[[Loop, Record], tuple[int, str] | None]
 
 @dataclass(frozen=True, slots=True)
 class Limits:
-    """What the analysis of one function may cost: instructions executed abstractly in stepped and in summarised loops, and a
-    point in time (of time.monotonic) at which everything ends."""
+    """What the analysis of one function may cost: instructions executed abstractly in stepped and in summarised
+    loops, and a point in time (of time.monotonic) at which everything ends."""
 
     steps: int = 12_000
     most: int = 400_000
@@ -94,9 +94,7 @@ def analyse_function(
             if found is not None:
                 known[loop] = found[0]
                 bounds[loop] = LoopBound(found[0], Origin.ANALYSIS, found[1])
-        if _missing(records, known):
-            records.append(execute(loops))
-        elif nested and _cost(order, records[0], known) <= limits.steps:
+        if _missing(records, known) or (nested and _cost(order, records[0], known) <= limits.steps):
             records.append(execute(loops))
         if _missing(records, known):
             records.append(execute(loops, WIDTH))

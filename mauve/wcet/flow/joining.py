@@ -1,8 +1,9 @@
 """Upper bounds of states: the join of two, and the header of a loop as a template that each iteration must fit.
 
-The join keeps linear relations: all values that differ by a constant between the two states share one indicator symbol, 0 in
-the first state and 1 in the second. At a loop header the indicator becomes the number of the iteration (kappa), so that a value
-with a constant step is `initial + step * kappa` and every header state carries the closed form of its counters.
+The join keeps linear relations: all values that differ by a constant between the two states share one indicator
+symbol, 0 in the first state and 1 in the second. At a loop header the indicator becomes the number of the iteration
+(kappa), so that a value with a constant step is `initial + step * kappa` and every header state carries the closed
+form of its counters.
 """
 
 from __future__ import annotations
@@ -105,8 +106,9 @@ def join_all(states: Sequence[State]) -> State:
 
 @dataclass(slots=True)
 class Header:
-    """A loop header: `state` holds every visit; `kappa` is the symbol of the iteration number; `free` maps symbols of values
-    without a constant step to (their value on entry, their value one iteration later in terms of this state or None)."""
+    """A loop header: `state` holds every visit; `kappa` is the symbol of the iteration number; `free` maps symbols
+    of values without a constant step to (their value on entry, their value one iteration later in terms of this
+    state or None)."""
 
     entry: State
     state: State
@@ -197,7 +199,8 @@ def generalise(entry: State, back: State, thresholds: Sequence[int]) -> Header:
 
 
 def fit(header: Header, back: State, thresholds: Sequence[int]) -> bool:
-    """Check that one more iteration leads from the header back into it, and weaken the header where not; whether it did fit.
+    """Check that one more iteration leads from the header back into it, and weaken the header where not; whether it
+    did fit.
 
     Afterwards `free` holds the next value of each free symbol.
     """

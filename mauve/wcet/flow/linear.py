@@ -1,8 +1,9 @@
 """Values as linear expressions: a constant plus multiples of symbols, modulo 2**32.
 
-A value is an int, or a tuple (constant, symbol, factor, symbol, factor, ...) with ascending symbols and non-zero factors, so
-that equal values are equal objects and sums, differences and multiples are exact. A symbol names an unknown number of one
-state; the symbols of the registers at the function's entry keep their meaning everywhere in the function.
+A value is an int, or a tuple (constant, symbol, factor, symbol, factor, ...) with ascending symbols and non-zero
+factors, so that equal values are equal objects and sums, differences and multiples are exact. A symbol names an
+unknown number of one state; the symbols of the registers at the function's entry keep their meaning everywhere in
+the function.
 """
 
 from __future__ import annotations
@@ -55,7 +56,8 @@ def sub(a: Value, b: Value) -> Value:
     if a == b:
         return 0
     if type(a) is int:
-        a = (a,)
+        return _merge((a,), b, -1)
+    assert type(a) is tuple
     return _merge(a, b, -1)
 
 

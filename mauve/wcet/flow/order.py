@@ -1,4 +1,5 @@
-"""A control flow graph arranged for abstract execution: regions (the function and its loops) with their nodes in order."""
+"""A control flow graph arranged for abstract execution: regions (the function and its loops) with their nodes in
+order."""
 
 from __future__ import annotations
 
@@ -13,7 +14,8 @@ FUNCTION = -1
 
 @dataclass(frozen=True, slots=True)
 class Region:
-    """`nodes` in topological order (back edges left out): blocks directly in the region and headers of the loops directly inside."""
+    """`nodes` in topological order (back edges left out): blocks directly in the region and headers of the loops
+    directly inside."""
 
     id: int
     header: int
@@ -23,9 +25,9 @@ class Region:
 
 @dataclass(frozen=True, slots=True)
 class Order:
-    """`inner[header]` is the loop that a header block starts; `innermost[block]` the region that holds a block directly;
-    `taken` and `fall` the indices of the edges that leave a block when its last instruction acts, and when it does not;
-    `always[loop]` the blocks that every full iteration of a loop passes."""
+    """`inner[header]` is the loop that a header block starts; `innermost[block]` the region that holds a block
+    directly; `taken` and `fall` the indices of the edges that leave a block when its last instruction acts, and when
+    it does not; `always[loop]` the blocks that every full iteration of a loop passes."""
 
     cfg: Cfg
     nest: LoopNest
@@ -54,17 +56,17 @@ def arrange(cfg: Cfg, nest: LoopNest) -> Order:
     for loop in nest.loops:
         contents[FUNCTION if loop.parent is None else loop.parent].append(loop.header)
         contents[loop.id].append(loop.header)
-    for block in cfg.blocks:
-        if block.id not in inner and block.id in position:
-            contents[innermost[block.id]].append(block.id)
+    for number in range(len(cfg.blocks)):
+        if number not in inner and number in position:
+            contents[innermost[number]].append(number)
     regions = {}
     for region, nodes in contents.items():
         header = cfg.entry if region == FUNCTION else nest.loops[region].header
         blocks = frozenset(range(len(cfg.blocks))) if region == FUNCTION else nest.loops[region].blocks
         regions[region] = Region(region, header, blocks, tuple(sorted(set(nodes), key=position.__getitem__)))
     taken, fall = [], []
-    for block in cfg.blocks:
-        edges = [(index, cfg.edges[index]) for index in leaving[block.id]]
+    for indices in leaving:
+        edges = [(index, cfg.edges[index]) for index in indices]
         fall.append(tuple(index for index, edge in edges if edge.kind is EdgeKind.FALL))
         taken.append(tuple(index for index, edge in edges if edge.kind is not EdgeKind.FALL))
     always = {loop.id: _always(cfg, nest, loop.id, leaving) for loop in nest.loops}
@@ -94,7 +96,7 @@ def _always(cfg: Cfg, nest: LoopNest, loop_id: int, leaving: list[list[int]]) ->
     loop = nest.loops[loop_id]
     latches = {cfg.edges[index].source for index in loop.back_edges}
     exits = {e.source for e in cfg.edges if e.source in loop.blocks and e.target not in loop.blocks}
-    return frozenset(block for block in exits if not _reaches(cfg.edges, loop.header, latches, block, loop.blocks, leaving))
+    return frozenset(b for b in exits if not _reaches(cfg.edges, loop.header, latches, b, loop.blocks, leaving))
 
 
 def _reaches(

@@ -1,7 +1,9 @@
-"""Flow analysis of a program: graphs, callees before callers, contexts where a loop needs them, indirect targets until stable.
+"""Flow analysis of a program: graphs, callees before callers, contexts where a loop needs them, indirect targets
+until stable.
 
-Every function is analysed once from an unknown entry state. Where that leaves a loop without a bound (or a pointer without
-targets), the function is analysed again for the states in which its callers call it, on demand and remembered by state.
+Every function is analysed once from an unknown entry state. Where that leaves a loop without a bound (or a pointer
+without targets), the function is analysed again for the states in which its callers call it, on demand and
+remembered by state.
 """
 
 from __future__ import annotations
@@ -25,7 +27,7 @@ from mauve.wcet.flow.function import FunctionResult, Limits, analyse_function
 from mauve.wcet.flow.given import Given
 from mauve.wcet.flow.order import Order, arrange
 from mauve.wcet.flow.result import AddressRange, ContextKey, FunctionFlow, ProgramFlow
-from mauve.wcet.flow.state import ABSOLUTE, State, Symbols
+from mauve.wcet.flow.state import ABSOLUTE, Cells, State, Symbols
 from mauve.wcet.flow.values import LoopValues
 from mauve.wcet.hardware.board import Board
 from mauve.wcet.result import Origin, Problem, ProblemKind
@@ -86,8 +88,8 @@ def analyse_program(
 ) -> ProgramFlow:
     """Everything that flow analysis finds out about `entry_key` and what it calls.
 
-    `initial_data` starts from the linked data instead of unknown globals. `timeout` is in seconds. Holes are problems in the
-    result; no input makes this raise.
+    `initial_data` starts from the linked data instead of unknown globals. `timeout` is in seconds. Holes are
+    problems in the result; no input makes this raise.
     """
     limits = limits or Limits()
     if timeout is not None:
@@ -198,8 +200,8 @@ class _Program:
             nest,
             result.bounds,
             result.infeasible,
-            {at: AddressRange(low, high) for at, (region, low, high) in result.accesses.items() if _fixed(region, high)},
-            contexts,
+            {at: AddressRange(low, high) for at, (region, low, high) in result.accesses.items() if _fixed(region,
+            high)}, contexts,
             tuple(self._unbounded(cfg, nest, loop) for loop in sorted(result.unbounded)),
             result.depth,
         )
@@ -218,7 +220,8 @@ class _Program:
             return False
         if function.result.unbounded or any(hole.kind in _POINTERS for hole in function.flow.cfg.unresolved):
             return True
-        return any(context[1] or self._incomplete(context[0]) for contexts in function.flow.calls.values() for context in contexts)
+        called = (context for contexts in function.flow.calls.values() for context in contexts)
+        return any(words or self._incomplete(callee) for callee, words in called)
 
     def _contexts(self, cfg: Cfg, result: FunctionResult, depth: int) -> dict[int, tuple[ContextKey, ...]]:
         found = {}
@@ -289,7 +292,7 @@ class _Program:
                 values = None if function.result is None else function.result.targets.get(hole.address)
                 targets = None
                 if values is not None and values.size <= MOST_TARGETS:
-                    targets = {value for value in values.members()}
+                    targets = set(values.members())
                     if any(self.binary.read_code(value & ~1, 2) is None for value in targets):
                         targets = None
                 before = by_address.get(hole.address, set())
@@ -318,12 +321,12 @@ def _fixed(region: int | None, high: int) -> bool:
     return region == ABSOLUTE and high <= MASK
 
 
-def _fill(cells: dict[int, tuple[int, object]] | dict[int, tuple[int, int | tuple[int, ...]]], start: int, data: bytes) -> None:
+def _fill(cells: Cells, start: int, data: bytes) -> None:
     """Write initial data as words."""
     for offset in range(0, len(data) // 4 * 4, 4):
-        cells[start + offset] = (4, int.from_bytes(data[offset : offset + 4], "little"))  # type: ignore[index]
+        cells[start + offset] = (4, int.from_bytes(data[offset : offset + 4], "little"))
     for offset in range(len(data) // 4 * 4, len(data)):
-        cells[start + offset] = (1, data[offset])  # type: ignore[index]
+        cells[start + offset] = (1, data[offset])
 
 
 __all__ = ["ASSUMPTIONS", "EXIT", "Limits", "analyse_program"]

@@ -1,12 +1,13 @@
 """The abstract state at a program point: registers, flags, memory, and what is known of the symbols in them.
 
-A state stands for all machine states for which some assignment of numbers to its symbols, within their ranges, gives the
-registers and memory cells their values. Refining a symbol refines every register and cell that holds it; that is how a
-compare of a copy narrows the stack slot it was loaded from. `pins` remembers symbols that were replaced by their only value.
+A state stands for all machine states for which some assignment of numbers to its symbols, within their ranges, gives
+the registers and memory cells their values. Refining a symbol refines every register and cell that holds it; that is
+how a compare of a copy narrows the stack slot it was loaded from. `pins` remembers symbols that were replaced by
+their only value.
 
-Memory is kept in regions. The region of a symbol p holds cells at p + offset; region ABSOLUTE (0) those at fixed addresses.
-Assumed: the frame is not reached through pointers that the function did not derive from sp (unless `leaked`), and memory changes
-only by the analysed code; both are listed in results.
+Memory is kept in regions. The region of a symbol p holds cells at p + offset; region ABSOLUTE (0) those at fixed
+addresses. Assumed: the frame is not reached through pointers that the function did not derive from sp (unless
+`leaked`), and memory changes only by the analysed code; both are listed in results.
 """
 
 from __future__ import annotations
@@ -42,7 +43,8 @@ class Symbols:
 
 
 class State:
-    """See the module's description. `flags` is a set of possible NZCV (see flags.py), `origin` the compare they come from."""
+    """See the module's description. `flags` is a set of possible NZCV (see flags.py), `origin` the compare they come
+    from."""
 
     __slots__ = ("flags", "leaked", "memory", "origin", "pins", "ranges", "regs", "shared", "symbols")
 
@@ -401,7 +403,8 @@ class State:
             self.forget_frame()
 
     def forget_frame(self, low: int = -SIGN, high: int = SIGN - 1) -> None:
-        """Somebody may have written the frame's bytes from `low` to `high`; saved registers are taken to be safe (AAPCS)."""
+        """Somebody may have written the frame's bytes from `low` to `high`; saved registers are taken to be safe
+        (AAPCS)."""
         old = self.memory.get(FRAME)
         if not old:
             return

@@ -29,8 +29,8 @@ class Image(Protocol):
     """The binary's memory as the analysis may use it."""
 
     def constant(self, address: int, size: int) -> int | None:
-        """The little-endian number at `address` if it is the same whenever the program reads it (with size 0: 0 when the address
-        belongs to a section of the binary), else None."""
+        """The little-endian number at `address` if it is the same whenever the program reads it (with size 0: 0 when
+        the address belongs to a section of the binary), else None."""
 
 
 class NoImage:
@@ -151,7 +151,8 @@ def _linear(state: State, op: Op, a: Value, b: Value) -> Value | None:
     quotient = linear.divide(a, 1 << amount)
     if quotient is None:
         return None
-    limit = domain.between(0, MASK >> amount) if op is Op.LSR else domain.between(-(SIGN >> amount), (SIGN >> amount) - 1)
+    half = SIGN >> amount
+    limit = domain.between(0, MASK >> amount) if op is Op.LSR else domain.between(-half, half - 1)
     return quotient if domain.includes(limit, _hull(state.range_of(quotient))) else None
 
 
