@@ -36,7 +36,7 @@ Value = int | None
 
 @dataclass
 class State:
-    """Registers 0..14 (and temporaries), flags N, Z, C, V, and bytes of memory; `pc` and `thumb` say what comes next."""
+    """Registers 0..14 (and temporaries), flags N, Z, C, V, bytes of memory; `pc` and `thumb` say what is next."""
 
     registers: list[Value]
     flags: list[Value]

@@ -1,0 +1,1 @@
+"""ARM executables: from bytes to instructions, control flow graphs and loops."""

@@ -1,7 +1,8 @@
-"""The A32 instruction set: a word to its meaning. Source: ARM DDI 0406C chapter A5 and A8; DDI 0100I for ARMv4T and v5TE.
+"""The A32 instruction set: a word to its meaning. Source: ARM DDI 0406C chapter A5 and A8; DDI 0100I for ARMv4T and
+v5TE.
 
-Words that later architectures gave a meaning (movw, ldrd, the media space) are decoded with it: a binary for an older core
-does not contain them. Forms that the manual calls UNPREDICTABLE are refused.
+Words that later architectures gave a meaning (movw, ldrd, the media space) are decoded with it: a binary for an older
+core does not contain them. Forms that the manual calls UNPREDICTABLE are refused.
 """
 
 from __future__ import annotations
@@ -154,7 +155,8 @@ def hint(number: int) -> Action:
 
 
 def write_status(mask: int, saved: bool, reads: tuple[int, ...]) -> Action:
-    """msr: a write to the flag field makes the flags unknown. Control bits may mask interrupts; the mode is taken to stay."""
+    """msr: a write to the flag field makes the flags unknown. Control bits may mask interrupts; the mode is taken to
+    stay."""
     require(mask != 0, "writes no field of the status register")
     flags = bool(mask & 8) and not saved
     ops: tuple[MicroOp, ...] = (SetFlags(FlagKind.UNKNOWN),) if flags else ()
@@ -393,7 +395,7 @@ def _signed_multiplies(word: int, op1: int, op2: int) -> Action:
     raise Undecodable("is not an instruction of this architecture")
 
 
-# ---------------------------------------------------------------------------------------------------- unconditional space
+# ------------------------------------------------------------------------------------------------ unconditional space
 _PRELOADS = ((0x0F30F000, 0x0510F000), (0x0F30F010, 0x0710F000), (0x0F70F000, 0x0450F000), (0x0F70F010, 0x0650F000))
 """Mask and value of pld and pli with an immediate and with a register offset."""
 

@@ -1,4 +1,5 @@
-"""The meaning of multiplications, bit-field, extension and other unary operations as micro-operations; see `semantics`."""
+"""The meaning of multiplications, bit-field, extension and other unary operations as micro-operations; see
+`semantics`."""
 
 from __future__ import annotations
 
@@ -27,7 +28,9 @@ def _below_pc(*numbers: int) -> None:
 _CARRY_UNKNOWN: tuple[MicroOp, ...] = (Compute(Op.UNKNOWN, T5), SetCarry(Shift.LSR, T5, Imm(1)))
 
 
-def multiply(rd: int, rm: int, rs: int, accumulate: int | None, subtract: bool, sets_flags: bool, early: int | None) -> Action:
+def multiply(
+    rd: int, rm: int, rs: int, accumulate: int | None, subtract: bool, sets_flags: bool, early: int | None
+) -> Action:
     """mul, mla, mls; `early` is the register whose value decides early termination of the multiplier."""
     _below_pc(rd, rm, rs, *(() if accumulate is None else (accumulate,)))
     ops: list[MicroOp] = []
@@ -71,7 +74,9 @@ def _add_wide(low: int, high: int) -> tuple[MicroOp, ...]:
     )
 
 
-def long_multiply(low: int, high: int, rm: int, rs: int, signed: bool, accumulate: bool, sets_flags: bool, early: int) -> Action:
+def long_multiply(
+    low: int, high: int, rm: int, rs: int, signed: bool, accumulate: bool, sets_flags: bool, early: int
+) -> Action:
     """umull, smull, umlal, smlal: the exact 64-bit product or sum."""
     _below_pc(low, high, rm, rs)
     require(low != high, "writes both halves of a product to one register")
@@ -161,7 +166,9 @@ def half_long_accumulate(low: int, high: int, rm: int, rs: int, top_m: int, top_
     return Action(ops, Traits(Kind.HALF_LONG_MLA, registers(rm, rs), (low, high), (low, high), multiplier=rs))
 
 
-def most_significant_multiply(rd: int, rm: int, rs: int, accumulate: int | None, subtract: bool, rounds: bool) -> Action:
+def most_significant_multiply(
+    rd: int, rm: int, rs: int, accumulate: int | None, subtract: bool, rounds: bool
+) -> Action:
     """smmul, smmla, smmls: the upper word; only smmul without rounding is exact here."""
     _below_pc(rd, rm, rs, *(() if accumulate is None else (accumulate,)))
     exact = accumulate is None and not rounds and not subtract
@@ -175,7 +182,9 @@ def most_significant_multiply(rd: int, rm: int, rs: int, accumulate: int | None,
 def divide(rd: int, rn: int, rm: int, signed: bool) -> Action:
     """sdiv and udiv; division by zero gives 0 (the trap of SCB.CCR.DIV_0_TRP is taken to be off)."""
     _below_pc(rd, rn, rm)
-    return Action((Compute(Op.SDIV if signed else Op.UDIV, rd, rn, rm),), Traits(Kind.DIV, registers(rn, rm), (), (rd,)))
+    return Action(
+        (Compute(Op.SDIV if signed else Op.UDIV, rd, rn, rm),), Traits(Kind.DIV, registers(rn, rm), (), (rd,))
+    )
 
 
 def unary(op: Op, rd: int, rm: int, kind: Kind = Kind.EXTEND) -> Action:

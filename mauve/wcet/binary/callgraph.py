@@ -25,8 +25,8 @@ def build_program(
 ) -> Mapping[int, Cfg]:
     """The graphs of `entry` (a key) and of everything it calls, by key.
 
-    Functions without a way to return are found on the way: calls of them end their path. Functions that reach each other
-    by tail calls alone are a loop, not a recursion: they are put into one graph.
+    Functions without a way to return are found on the way: calls of them end their path. Functions that reach each
+    other by tail calls alone are a loop, not a recursion: they are put into one graph.
     """
     control = control or Control()
     decoder = Decoder(binary.read_code)
@@ -109,8 +109,8 @@ class Cycle:
 
 @dataclass(frozen=True, slots=True)
 class Order:
-    """All functions, callees before callers; members of a recursion stand in any order among themselves, and `cycles` names
-    every recursion."""
+    """All functions, callees before callers; members of a recursion stand in any order among themselves, and `cycles`
+    names every recursion."""
 
     functions: tuple[int, ...]
     cycles: tuple[Cycle, ...] = ()

@@ -37,10 +37,10 @@ _HELPER_LENGTH = 16
 
 @dataclass(frozen=True, slots=True)
 class Control:
-    """What is known of control flow besides the code. Addresses are of instructions, keys are entry addresses with bit 0 set
-    for Thumb. `targets` are those of indirect jumps and calls; calls at `no_call` are skipped; functions in `no_return`
-    never return; supervisor calls at `supervisor` are accepted as taking no time of their own; jumps to functions in
-    `inline` are followed instead of being tail calls."""
+    """What is known of control flow besides the code. Addresses are of instructions, keys are entry addresses with
+    bit 0 set for Thumb. `targets` are those of indirect jumps and calls; calls at `no_call` are skipped; functions in
+    `no_return` never return; supervisor calls at `supervisor` are accepted as taking no time of their own; jumps to
+    functions in `inline` are followed instead of being tail calls."""
 
     targets: Mapping[int, tuple[int, ...]] = field(default_factory=dict)
     no_call: frozenset[int] = frozenset()
@@ -204,7 +204,7 @@ class _Exploration:
             return True
         if isinstance(flow, IndirectJump | IndirectCall | TableJump):
             self.indirect[instruction.address] = None
-            if not (instruction.condition is Condition.AL):
+            if instruction.condition is not Condition.AL:
                 self._note(self._reach(instruction.end, instruction.thumb, EdgeKind.FALL), instruction.address)
             return True
         if isinstance(flow, Call) and self._is_table_helper(instruction, flow):
@@ -214,8 +214,8 @@ class _Exploration:
         return True
 
     def _is_table_helper(self, instruction: Instruction, flow: Call) -> bool:
-        """Whether the callee is straight code that comes back behind a table that follows the call, as the switch helpers of
-        Thumb-1 do."""
+        """Whether the callee is straight code that comes back behind a table that follows the call, as the switch
+        helpers of Thumb-1 do."""
         helper = self._straight(flow.target, flow.thumb)
         if helper and computes_return(self.binary, helper):
             self.code.helpers[instruction.address] = helper

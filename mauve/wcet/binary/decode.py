@@ -1,7 +1,7 @@
 """Bytes to instructions. The only place that knows capstone, which is asked for the printed text and for nothing else.
 
-Meaning comes from our own decoders (`a32`, `t16`, `t32`): capstone keeps IT state across calls, and its operands need as
-much care as the encodings themselves. Results are cached by word where they do not depend on the address.
+Meaning comes from our own decoders (`a32`, `t16`, `t32`): capstone keeps IT state across calls, and its operands need
+as much care as the encodings themselves. Results are cached by word where they do not depend on the address.
 """
 
 from __future__ import annotations
@@ -19,7 +19,8 @@ from mauve.wcet.binary.t32 import decode_t32
 
 @dataclass(frozen=True, slots=True)
 class DecodeProblem:
-    """Bytes at `address` that are no instruction with a known meaning; `message` completes "the word at ADDRESS ..."."""
+    """Bytes at `address` that are no instruction with a known meaning; `message` completes "the word at ADDRESS
+    ..."."""
 
     address: int
     message: str
@@ -136,19 +137,20 @@ class Decoder:
 
 def _instruction(address: int, size: int, thumb: bool, template: _Template) -> Instruction:
     action = template.action
-    return Instruction(
-        address, size, thumb, template.text, template.condition, action.ops, action.flow, action.traits
-    )
+    return Instruction(address, size, thumb, template.text, template.condition, action.ops, action.flow, action.traits)
 
 
 def _it_instruction(address: int, half: int) -> Instruction:
-    """it, itt, ite and so on: the mask gives, from the top, whether each further instruction shares the condition's low bit."""
+    """it, itt, ite and so on: the mask gives, from the top, whether each further instruction shares the condition's
+    low bit."""
     condition, mask = half >> 4 & 15, half & 15
     require(condition != 15 and (condition != 14 or mask.bit_count() == 1), "is an unpredictable IT instruction")
     length = 4 - (mask & -mask).bit_length() + 1
     letters = "".join("t" if mask >> (3 - n) & 1 == condition & 1 else "e" for n in range(length - 1))
     name = _CONDITIONS[condition].name.lower()
-    return Instruction(address, 2, True, f"it{letters} {name}", Condition.AL, (), Action((), Traits(Kind.IT)).flow, Traits(Kind.IT))
+    return Instruction(
+        address, 2, True, f"it{letters} {name}", Condition.AL, (), Action((), Traits(Kind.IT)).flow, Traits(Kind.IT)
+    )
 
 
 def _independent(word: int) -> bool:

@@ -1,6 +1,7 @@
 """ARM executables: symbols, code and data as loaded. The only place that knows pyelftools.
 
-`load` gives a `Binary` or an `ElfProblem`; damaged bytes never raise. Debug information is not touched here (see `lines`).
+`load` gives a `Binary` or an `ElfProblem`; damaged bytes never raise. Debug information is not touched here (see
+`lines`).
 """
 
 from __future__ import annotations
@@ -47,16 +48,25 @@ class Bind(Enum):
     WEAK = 2
 
 
+class SymbolKind(Enum):
+    """What a symbol says it names."""
+
+    FUNCTION = "function"
+    OBJECT = "object"
+    LABEL = "label"
+    """no type: hand-written assembly, or an address without a symbol"""
+
+
 @dataclass(frozen=True, slots=True)
 class Symbol:
-    """A named address. `typed` is False for labels without a type; `size` is 0 where the assembler gave none."""
+    """A named address; `size` is 0 where the assembler gave none."""
 
     name: str
     address: int
     size: int
     bind: Bind
     thumb: bool = False
-    typed: bool = True
+    kind: SymbolKind = SymbolKind.FUNCTION
 
     @property
     def key(self) -> int:
@@ -136,7 +146,7 @@ class Binary:
         """Bytes as loaded (zeros where the file holds none), or None where a byte is outside all segments."""
         for segment in self.segments:
             start = address - segment.address
-            if 0 <= start and start + size <= segment.size:
+            if start >= 0 and start + size <= segment.size:
                 found = segment.data[start : start + size]
                 return found if len(found) == size else found.ljust(size, b"\0")
         return None
@@ -152,7 +162,7 @@ class Binary:
         """Bytes that may be executed: None outside executable segments and in the zero-filled part."""
         for segment in self.segments:
             start = address - segment.address
-            if segment.executable and 0 <= start and start + size <= len(segment.data):
+            if segment.executable and start >= 0 and start + size <= len(segment.data):
                 return segment.data[start : start + size]
         return None
 
@@ -178,8 +188,8 @@ class Binary:
     def function(self, name: str) -> Symbol | ElfProblem:
         """The function of that name; a number (decimal or 0x...) means the function at that address."""
         found = self._by_name.get(name, ())
-        typed = [s for s in found if s in self._function_set(name)]
-        candidates = typed or [s for s in found if self._is_code(s)]
+        candidates = [s for s in found if s.kind is SymbolKind.FUNCTION]
+        candidates = candidates or [s for s in found if s.kind is SymbolKind.LABEL and self._is_code(s)]
         candidates = [s for s in candidates if s.bind is not Bind.LOCAL] or candidates
         places = {s.key for s in candidates}
         if len(places) == 1:
@@ -187,10 +197,13 @@ class Binary:
         if len(places) > 1:
             where = ", ".join(f"{key & ~1:#x}" for key in sorted(places))
             return ElfProblem(
-                ElfProblemKind.AMBIGUOUS, f"`{name}` names several local functions, at {where}: give the address instead"
+                ElfProblemKind.AMBIGUOUS,
+                f"`{name}` names several local functions, at {where}: give the address instead",
             )
         if found:
-            return ElfProblem(ElfProblemKind.NOT_A_FUNCTION, f"`{name}` is data at {found[0].address:#x}, not a function")
+            return ElfProblem(
+                ElfProblemKind.NOT_A_FUNCTION, f"`{name}` is data at {found[0].address:#x}, not a function"
+            )
         address = _number(name)
         if address is not None:
             return self._function_by_number(address)
@@ -220,19 +233,9 @@ class Binary:
         offset = (address & ~1) - symbol.address
         return f"{symbol.name}+{offset:#x}" if offset else symbol.name
 
-    def _function_set(self, name: str) -> tuple[Symbol, ...]:
-        return tuple(s for s in self._by_name.get(name, ()) if s.typed and self._by_address.get(s.address) is not None
-                     and any(f is s for f in self._functions_at(s.address)))
-
-    def _functions_at(self, address: int) -> tuple[Symbol, ...]:
-        low = bisect.bisect_left(self.functions, address, key=lambda s: s.address)
-        high = bisect.bisect_right(self.functions, address, key=lambda s: s.address)
-        return self.functions[low:high]
-
     def _is_code(self, symbol: Symbol) -> bool:
-        return not symbol.typed and self.read_code(symbol.address, 2) is not None and (
-            self.content_at(symbol.address) is not Content.DATA
-        )
+        there = self.read_code(symbol.address, 2) is not None
+        return there and self.content_at(symbol.address) is not Content.DATA
 
     def _function_by_number(self, number: int) -> Symbol | ElfProblem:
         known = self.symbol_at(number)
@@ -242,9 +245,11 @@ class Binary:
             return ElfProblem(ElfProblemKind.NOT_A_FUNCTION, f"there is no code at {number & ~1:#x} in {self.path}")
         content = self.content_at(number & ~1)
         if content is Content.DATA:
-            return ElfProblem(ElfProblemKind.NOT_A_FUNCTION, f"there is data at {number & ~1:#x} in {self.path}, not code")
+            return ElfProblem(
+                ElfProblemKind.NOT_A_FUNCTION, f"there is data at {number & ~1:#x} in {self.path}, not code"
+            )
         thumb = bool(number & 1) or content is Content.THUMB
-        return Symbol(f"{number & ~1:#x}", number & ~1, 0, Bind.LOCAL, thumb, typed=False)
+        return Symbol(f"{number & ~1:#x}", number & ~1, 0, Bind.LOCAL, thumb, SymbolKind.LABEL)
 
 
 def _number(text: str) -> int | None:
@@ -305,7 +310,9 @@ def _check_header(data: bytes, name: str) -> ElfProblem | None:
     if data[4] != 1 or data[5] != 1:
         return ElfProblem(kinds.DAMAGED, f"{name} is damaged: the ELF header has an unknown class or byte order")
     if kind == 1:
-        return ElfProblem(kinds.RELOCATABLE, f"{name} is a relocatable object file: link it first, addresses are not known")
+        return ElfProblem(
+            kinds.RELOCATABLE, f"{name} is a relocatable object file: link it first, addresses are not known"
+        )
     if kind not in (2, 3):
         return ElfProblem(kinds.NO_CODE, f"{name} is not an executable (e_type is {kind})")
     for what, offset, size in (("program", phoff, phentsize * phnum), ("section", shoff, shentsize * shnum)):
@@ -329,7 +336,8 @@ def _parse(data: bytes, name: str) -> Binary | ElfProblem:
         end = header.p_offset + header.p_filesz
         if end > len(data):
             return ElfProblem(
-                ElfProblemKind.TRUNCATED, f"{name} is truncated: it ends {end - len(data)} bytes before a loaded segment does"
+                ElfProblemKind.TRUNCATED,
+                f"{name} is truncated: it ends {end - len(data)} bytes before a loaded segment does",
             )
         if header.p_filesz > header.p_memsz or header.p_vaddr + header.p_memsz > 1 << 32:
             return ElfProblem(ElfProblemKind.DAMAGED, f"{name} is damaged: a segment does not fit into memory")
@@ -347,8 +355,8 @@ def _parse(data: bytes, name: str) -> Binary | ElfProblem:
 
 
 def _constant_spans(sections: list[Any], segments: list[Segment]) -> tuple[Span, ...]:
-    """Read-only memory: sections without the write flag; without sections, segments without it. Linkers put read-only and
-    writable sections into one writable segment where the script says no better."""
+    """Read-only memory: sections without the write flag; without sections, segments without it. Linkers put read-only
+    and writable sections into one writable segment where the script says no better."""
     spans: list[Span] = []
     headers = [section.header for section in sections]
     allocated = [h for h in headers if h.sh_flags & 2 and h.sh_type != "SHT_NOBITS" and h.sh_size]
@@ -415,9 +423,9 @@ def _binary(
         elif kind in (_FUNC, _IFUNC) and index < 0xFF00:
             functions.append(Symbol(text, value & ~1, size, bind, bool(value & 1)))
         elif kind == _OBJECT:
-            objects.append(Symbol(text, value, size, bind))
+            objects.append(Symbol(text, value, size, bind, kind=SymbolKind.OBJECT))
         elif kind == _NOTYPE and index < 0xFF00:
-            labels.append(Symbol(text, value, size, bind, typed=False))
+            labels.append(Symbol(text, value, size, bind, kind=SymbolKind.LABEL))
     marks = tuple(sorted(mapping.items()))
     labels = [_with_state(label, marks) for label in labels]
     order = {Bind.GLOBAL: 0, Bind.WEAK: 1, Bind.LOCAL: 2}
@@ -439,7 +447,7 @@ def _binary(
 def _with_state(label: Symbol, marks: tuple[tuple[int, Content], ...]) -> Symbol:
     at = bisect.bisect_right(marks, label.address, key=lambda mark: mark[0]) - 1
     thumb = at >= 0 and marks[at][1] is Content.THUMB
-    return Symbol(label.name, label.address & ~1, label.size, label.bind, thumb, typed=False)
+    return Symbol(label.name, label.address & ~1, label.size, label.bind, thumb, SymbolKind.LABEL)
 
 
 # ---------------------------------------------------------------------------------------------------- debug information

@@ -1,7 +1,7 @@
 """The control flow graph of a function, recovered from its binary.
 
-Blocks are numbered from 0 in order of address, block 0 is not necessarily the entry. Calls live on edges: an edge of kind
-CALL goes from the calling block to the block after the call and names its callees; a tail call is an edge to EXIT.
+Blocks are numbered from 0 in order of address, block 0 is not necessarily the entry. Calls live on edges: an edge of
+kind CALL goes from the calling block to the block after the call and names its callees; a tail call is an edge to EXIT.
 A conditional call or return has a second, plain edge for the case that it does not happen.
 """
 
@@ -91,10 +91,10 @@ class Unresolved:
 
 @dataclass(frozen=True, slots=True)
 class Cfg:
-    """A function. Invariants: edges name existing blocks or EXIT; every block is reachable from `entry`; blocks do not overlap
-    in the addresses of their instructions; `entry` has the function's address. A function whose first bytes are no instruction
-    has no blocks, and an `unresolved` that says so. Splitting irreducible regions adds copies of blocks: then several blocks may
-    have the same instructions, and ids do not follow addresses."""
+    """A function. Invariants: edges name existing blocks or EXIT; every block is reachable from `entry`; blocks do
+    not overlap in the addresses of their instructions; `entry` has the function's address. A function whose first
+    bytes are no instruction has no blocks, and an `unresolved` that says so. Splitting irreducible regions adds
+    copies of blocks: then several blocks may have the same instructions, and ids do not follow addresses."""
 
     name: str
     address: int

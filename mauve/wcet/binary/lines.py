@@ -1,13 +1,14 @@
 """Source lines of addresses: the line number programs of .debug_line, DWARF 2 to 5.
 
-`load_lines` never fails: damaged or missing debug information leaves places without a line. Line programs are run here, on
-bytes, because their number is large; sections and compilation units come from `elf`.
+`load_lines` never fails: damaged or missing debug information leaves places without a line. Line programs are run
+here, on bytes, because their number is large; sections and compilation units come from `elf`.
 """
 
 from __future__ import annotations
 
 import bisect
 import posixpath
+from contextlib import suppress
 from dataclasses import dataclass, field
 
 from mauve.wcet.binary.elf import Binary, Unit, debug_sections, debug_units
@@ -28,8 +29,8 @@ class Row:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LineTable:
-    """Rows by address. `files` are the paths as the line table has them; `units` name the sources that were compiled, with
-    the directory they were compiled in."""
+    """Rows by address. `files` are the paths as the line table has them; `units` name the sources that were compiled,
+    with the directory they were compiled in."""
 
     files: tuple[str, ...] = ()
     units: tuple[Unit, ...] = ()
@@ -60,8 +61,8 @@ class LineTable:
 
 
 def same_file(path: str, wanted: str) -> bool:
-    """Whether a path of the line table is the wanted one: equal, or one of them is the last components of the other (the
-    table's path is relative where the compiler was given a relative one)."""
+    """Whether a path of the line table is the wanted one: equal, or one of them is the last components of the other
+    (the table's path is relative where the compiler was given a relative one)."""
     path, wanted = (posixpath.normpath(name.replace("\\", "/")) for name in (path, wanted))
     if path == wanted or path.endswith("/" + wanted):
         return True
@@ -80,10 +81,8 @@ def load_lines(binary: Binary) -> LineTable:
     offset = 0
     while offset + 4 <= len(data) and len(rows) < _ROW_LIMIT:
         program = _Program(data, offset, sections, files, rows, statements)
-        try:
+        with suppress(IndexError, ValueError):  # damaged: what was read before stays
             program.run()
-        except (IndexError, ValueError):
-            pass  # damaged: what was read before stays
         if program.end <= offset:
             break
         offset = program.end
@@ -282,7 +281,8 @@ class _Program:
                     self.statements.append((self.paths[file], line, address))
 
     def _emit(self, last: tuple[int, int, int, bool] | None, address: int) -> None:
-        """Close the row before at the address where it ends; of several rows that start at one address the last one counts."""
+        """Close the row before at the address where it ends; of several rows that start at one address the last one
+        counts."""
         if last is not None and last[0] < address:
             start, file, line, stmt = last
             self.rows.append(Row(start, address, self.paths[file], max(line, 0), stmt))

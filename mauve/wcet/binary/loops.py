@@ -27,8 +27,8 @@ class Loop:
 
 @dataclass(frozen=True, slots=True)
 class LoopNest:
-    """All loops of a function, outer ones before inner ones. `irreducible` lists the regions entered in more than one place
-    (sets of block ids); they are no loops, and a function that still has one has no bound."""
+    """All loops of a function, outer ones before inner ones. `irreducible` lists the regions entered in more than one
+    place (sets of block ids); they are no loops, and a function that still has one has no bound."""
 
     loops: tuple[Loop, ...]
     irreducible: tuple[frozenset[int], ...] = ()
@@ -74,8 +74,8 @@ def reverse_postorder(following: Sequence[Sequence[int]], entry: int) -> list[in
 def immediate_dominators(following: Sequence[Sequence[int]], entry: int) -> list[int | None]:
     """The immediate dominator of each node: None for the entry and for nodes it does not reach.
 
-    Cooper, Harvey and Kennedy, "A Simple, Fast Dominance Algorithm": iterate over the reverse postorder; the intersection
-    walks up numbers, so deep graphs need no recursion.
+    Cooper, Harvey and Kennedy, "A Simple, Fast Dominance Algorithm": iterate over the reverse postorder; the
+    intersection walks up numbers, so deep graphs need no recursion.
     """
     order = reverse_postorder(following, entry)
     number = {node: position for position, node in enumerate(order)}
@@ -113,8 +113,8 @@ def _meet(parent: list[int], first: int, second: int) -> int:
 
 
 def dominator_intervals(parents: Sequence[int | None], entry: int) -> list[tuple[int, int]]:
-    """Preorder number and last number below, per node of the dominator tree: a dominates b exactly when a's interval holds
-    b's first number. Nodes outside the tree get (-1, -2)."""
+    """Preorder number and last number below, per node of the dominator tree: a dominates b exactly when a's interval
+    holds b's first number. Nodes outside the tree get (-1, -2)."""
     children: list[list[int]] = [[] for _ in parents]
     for node, parent in enumerate(parents):
         if parent is not None:
@@ -135,7 +135,8 @@ def dominator_intervals(parents: Sequence[int | None], entry: int) -> list[tuple
 
 
 def strong_components(following: Sequence[Sequence[int]], nodes: Sequence[int]) -> list[list[int]]:
-    """The strongly connected components among `nodes` (Tarjan, without recursion); successors come before predecessors."""
+    """The strongly connected components among `nodes` (Tarjan, without recursion); successors come before
+    predecessors."""
     allowed = set(nodes)
     index: dict[int, int] = {}
     low: dict[int, int] = {}
@@ -180,8 +181,8 @@ def strong_components(following: Sequence[Sequence[int]], nodes: Sequence[int]) 
 def loop_nest(cfg: Cfg) -> LoopNest:
     """The natural loops, those of one header merged, outer before inner; and the irreducible regions.
 
-    An edge u -> v is a back edge when v dominates u. What is still cyclic without the back edges is entered in more than one
-    place: each such strongly connected component is one irreducible region.
+    An edge u -> v is a back edge when v dominates u. What is still cyclic without the back edges is entered in more
+    than one place: each such strongly connected component is one irreducible region.
     """
     if not cfg.blocks:
         return LoopNest(())
@@ -228,9 +229,7 @@ def _nest(cfg: Cfg, back: dict[int, list[int]], bodies: dict[int, frozenset[int]
     for number, header in enumerate(headers):
         parent = innermost.get(header)
         depth = 1 if parent is None else loops[parent].depth + 1
-        loops.append(
-            Loop(number, header, bodies[header], tuple(back[header]), tuple(entering[header]), parent, depth)
-        )
+        loops.append(Loop(number, header, bodies[header], tuple(back[header]), tuple(entering[header]), parent, depth))
         for block in bodies[header]:
             innermost[block] = number
     return tuple(loops)

@@ -1,9 +1,9 @@
 """Micro-operations: what an ARM instruction does, small enough for one analysis to understand all of A32, T16 and T32.
 
-An instruction is decoded once into an `Instruction`: a condition, a tuple of micro-operations with their plain meaning on
-32-bit registers, memory and flags, where control goes afterwards (`flow`), and the traits that a timing model asks for.
-Reads of the program counter are constants by now. Registers 0..14 are those of the architecture (13 sp, 14 lr),
-16 and up are temporaries that live inside one instruction. All values are 32-bit; arithmetic wraps.
+An instruction is decoded once into an `Instruction`: a condition, a tuple of micro-operations with their plain
+meaning on 32-bit registers, memory and flags, where control goes afterwards (`flow`), and the traits that a timing
+model asks for. Reads of the program counter are constants by now. Registers 0..14 are those of the architecture (13
+sp, 14 lr), 16 and up are temporaries that live inside one instruction. All values are 32-bit; arithmetic wraps.
 """
 
 from __future__ import annotations
@@ -44,8 +44,8 @@ Operand = int | Imm
 
 
 class Op(Enum):
-    """Binary and unary operations (a unary one ignores its second operand). Shift amounts are the low byte of b: 32 and more
-    shift everything out (ROR is modulo 32). ADC, SBC and RRX read the carry flag."""
+    """Binary and unary operations (a unary one ignores its second operand). Shift amounts are the low byte of b: 32
+    and more shift everything out (ROR is modulo 32). ADC, SBC and RRX read the carry flag."""
 
     MOV = "mov"
     NOT = "not"
@@ -141,8 +141,8 @@ class FlagKind(Enum):
 
 @dataclass(frozen=True, slots=True)
 class SetFlags:
-    """Set the condition flags from the operands as they are at this point: like every micro-operation it takes effect in order,
-    so an arithmetic one stands before the operation that overwrites an input, a logical one after it."""
+    """Set the condition flags from the operands as they are at this point: like every micro-operation it takes effect
+    in order, so an arithmetic one stands before the operation that overwrites an input, a logical one after it."""
 
     kind: FlagKind
     a: Operand = Imm(0)
@@ -187,8 +187,8 @@ class Jump:
 
 @dataclass(frozen=True, slots=True)
 class CompareBranch:
-    """cbz and cbnz: a branch to `target` (Thumb) when the register is zero, or when it is not (`nonzero`); else control falls
-    through. The flags play no part, the instruction's condition is AL."""
+    """cbz and cbnz: a branch to `target` (Thumb) when the register is zero, or when it is not (`nonzero`); else
+    control falls through. The flags play no part, the instruction's condition is AL."""
 
     register: int
     nonzero: bool
@@ -207,7 +207,8 @@ class Call:
 class IndirectJump:
     """The program counter takes the operand's value (bit 0 selects Thumb when `exchanges`).
 
-    `returns` is set by the decoder for the forms that compilers use to return: bx lr, mov pc, lr, and a load of pc through sp.
+    `returns` is set by the decoder for the forms that compilers use to return: bx lr, mov pc, lr, and a load of pc
+    through sp.
     """
 
     target: Operand
@@ -316,8 +317,9 @@ class Traits:
     """What a timing model needs to know of an instruction besides its memory accesses.
 
     `reads` are needed at issue (ALU operands, addresses, branch targets), `late_reads` only as store data or as the
-    accumulator of a multiply. `writes` are the results; `loaded` those of them that come from memory, in transfer order.
-    `transfers` counts the words (or registers) that a load or store moves; `width` is the size of one access in bytes.
+    accumulator of a multiply. `writes` are the results; `loaded` those of them that come from memory, in transfer
+    order. `transfers` counts the words (or registers) that a load or store moves; `width` is the size of one access
+    in bytes.
     """
 
     kind: Kind

@@ -2,8 +2,8 @@
 
 The target is followed symbolically along each path that ends at the jump. It is known when it is a constant, the return
 address, or a function of one value with a small range (by its making or by comparisons on the path) through constant
-memory: a switch table. Paths grow backwards, a block at a time, until each answers; all must. This finds gcc's and clang's
-tables in A32, T16 and T32, veneers, calls through literals, and computed jumps into unrolled code, without knowing any.
+memory: a switch table. Paths grow backwards, a block at a time, until each answers; all must. That finds the tables of gcc
+and clang in A32, T16 and T32, veneers, calls through literals and computed jumps into unrolled code, and knows none.
 """
 
 from __future__ import annotations
@@ -46,8 +46,8 @@ _PATHS, _LENGTH = 96, 300
 
 @dataclass(frozen=True, slots=True)
 class Resolution:
-    """Where an indirect jump goes: `targets` are keys; `returns`: out of the function; with a `link` it is a call that comes
-    back to that address (for a call instruction `link` is None: it comes back behind itself)."""
+    """Where an indirect jump goes: `targets` are keys; `returns`: out of the function; with a `link` it is a call
+    that comes back to that address (for a call instruction `link` is None: it comes back behind itself)."""
 
     targets: tuple[int, ...] = ()
     returns: bool = False
@@ -238,7 +238,8 @@ class _Path:
 
 
 def link_before(code: Code, instruction: Instruction) -> int | None:
-    """The constant that lr holds at the instruction, as far as the block before it tells: where a callee would return to."""
+    """The constant that lr holds at the instruction, as far as the block before it tells: where a callee would return
+    to."""
     steps = _extend_straight(code, [(instruction.address, None)])
     path = _Path(code, steps)
     path.assume(instruction.condition)
@@ -246,8 +247,8 @@ def link_before(code: Code, instruction: Instruction) -> int | None:
 
 
 def link_of_jump(code: Code, instruction: Instruction, leaves: bool) -> int | None:
-    """Where the target of a direct jump comes back to, when the jump is a call: lr holds the address behind it, or the jump
-    leaves the function with the address of code in lr. Else lr is a register as any other."""
+    """Where the target of a direct jump comes back to, when the jump is a call: lr holds the address behind it, or
+    the jump leaves the function with the address of code in lr. Else lr is a register as any other."""
     link = link_before(code, instruction)
     if link is None or link & ~1 == instruction.end:
         return link
@@ -293,7 +294,7 @@ def _union(first: Resolution, second: Resolution) -> Resolution | None:
     return Resolution(tuple(sorted({*first.targets, *second.targets})), first.returns, first.link)
 
 
-# ---------------------------------------------------------------------------------------------------- the answer of a path
+# ------------------------------------------------------------------------------------------------ the answer of a path
 def _answer(code: Code, steps: list[_Step], instruction: Instruction) -> Resolution | None:
     path = _Path(code, steps)
     path.assume(instruction.condition)
@@ -332,7 +333,8 @@ def _answer(code: Code, steps: list[_Step], instruction: Instruction) -> Resolut
 
 
 def computes_return(binary: Binary, helper: tuple[Instruction, ...]) -> bool:
-    """Whether straight code that is called comes back somewhere else than behind the call, at a place computed from it."""
+    """Whether straight code that is called comes back somewhere else than behind the call, at a place computed from
+    it."""
     path = _Path(Code(binary, helper[0].address), [(helper[0].address, None)])
     for instruction in helper:
         path.perform(instruction, instruction.condition)
@@ -473,5 +475,3 @@ def _keys(values: set[int], exchanges: bool, thumb: bool, binary: Binary) -> set
             return None
         keys.add(address | state)
     return keys
-
-

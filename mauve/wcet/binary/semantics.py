@@ -1,8 +1,8 @@
 """The meaning of ARM instructions as micro-operations, shared by the A32, T16 and T32 decoders.
 
 Each function takes the decoded fields of one instruction class and gives its `Action`. Operands are register numbers or
-constants: whoever decodes the fields has replaced the program counter by its value already. Micro-operations take effect
-one after the other; so flags that are computed from the inputs stand before the operation that overwrites an input.
+constants: whoever decodes the fields has replaced the program counter by its value already. Micro-operations act one
+after the other; so flags that are computed from the inputs stand before the operation that overwrites an input.
 Semantics follow ARM DDI 0406C (ARMv7-A/R), DDI 0403E (ARMv7-M) and DDI 0100I (ARMv4T to v6).
 """
 
@@ -41,7 +41,8 @@ NEXT = Next()
 
 
 class Undecodable(Exception):
-    """Raised inside the decoders for words that are undefined, unpredictable or not modelled; `Decoder` turns it into data."""
+    """Raised inside the decoders for words that are undefined, unpredictable or not modelled; `Decoder` turns it into
+    data."""
 
 
 class Action(NamedTuple):
@@ -54,7 +55,8 @@ class Action(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class ShifterOperand:
-    """The flexible second operand: `before` computes `value` (into T0), `carry` sets C when the instruction sets flags."""
+    """The flexible second operand: `before` computes `value` (into T0), `carry` sets C when the instruction sets
+    flags."""
 
     value: Operand
     before: tuple[MicroOp, ...] = ()
@@ -121,7 +123,10 @@ _ARITHMETIC = {
 _COMPARES = frozenset(("tst", "teq", "cmp", "cmn"))
 
 
-def compute(op: Op, dst: int, a: Operand, b: Operand = Imm(0)) -> Compute:
+_ZERO = Imm(0)
+
+
+def compute(op: Op, dst: int, a: Operand, b: Operand = _ZERO) -> Compute:
     """A computation, folded when it adds or subtracts constants."""
     if isinstance(a, Imm) and isinstance(b, Imm) and op in (Op.ADD, Op.SUB):
         return Compute(Op.MOV, dst, Imm((a.value + b.value if op is Op.ADD else a.value - b.value) & MASK))
@@ -138,7 +143,11 @@ def data_processing(name: str, sets_flags: bool, rd: int, rn: Operand, operand: 
     logical = name not in _ARITHMETIC
     moves = name in ("mov", "mvn")
     dst = T2 if compares or writes_pc else rd
-    ops = _logical_ops(name, sets_flags, dst, rn, operand) if logical else _arithmetic_ops(name, sets_flags, dst, rn, operand)
+    ops = (
+        _logical_ops(name, sets_flags, dst, rn, operand)
+        if logical
+        else _arithmetic_ops(name, sets_flags, dst, rn, operand)
+    )
     if compares and not logical:
         ops = tuple(op for op in ops if not (isinstance(op, Compute) and op.dst == T2))
     flow: Flow = NEXT
@@ -190,7 +199,8 @@ def _arithmetic_ops(name: str, sets_flags: bool, dst: int, rn: Operand, operand:
 
 
 def jump_to(target: Operand, exchanges: bool, returns: bool = False) -> Flow:
-    """The flow of a write to the program counter; a constant target makes a plain jump (A32 state unless bit 0 says Thumb)."""
+    """The flow of a write to the program counter; a constant target makes a plain jump (A32 state unless bit 0 says
+    Thumb)."""
     if isinstance(target, Imm):
         require(exchanges or target.value & 3 == 0, "jumps to an address that is not aligned")
         thumb = bool(target.value & 1)
@@ -240,7 +250,9 @@ def _addresses(index: Index, protect: tuple[int, ...]) -> tuple[tuple[MicroOp, .
     return (*before, Compute(op, T1, base, offset)), base, (Compute(Op.MOV, base, T1),)
 
 
-def single_transfer(load: bool, rt: int, index: Index, size: int = 4, signed: bool = False, user: bool = False) -> Action:
+def single_transfer(
+    load: bool, rt: int, index: Index, size: int = 4, signed: bool = False, user: bool = False
+) -> Action:
     """ldr, str and their byte and half-word forms; rt 15 loads the program counter."""
     pc_load = load and rt == PC
     if rt == PC:
@@ -305,7 +317,8 @@ def double_transfer(load: bool, rt: int, rt2: int, index: Index) -> Action:
 
 
 def multiple_transfer(load: bool, rn: int, mask: int, before: bool, up: bool, writeback: bool) -> Action:
-    """ldm and stm in all four modes: increment or decrement (`up`), before or after; `mask` bit 15 is the program counter."""
+    """ldm and stm in all four modes: increment or decrement (`up`), before or after; `mask` bit 15 is the program
+    counter."""
     listed = tuple(r for r in range(16) if mask >> r & 1)
     require(bool(listed), "transfers no register")
     require(rn != PC, "uses the program counter as base")

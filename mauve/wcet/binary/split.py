@@ -1,9 +1,10 @@
 """Node splitting: an irreducible graph becomes reducible by copies of blocks.
 
-A region that is entered in more than one place (Duff's device, libgcc's Thumb-1 division) is no loop. Splitting gives the
-blocks that can be entered from outside, and are not the chosen header, a copy each for the entries from outside; the copies
-lead into the region. The graph keeps exactly the paths it had: each copy has the instructions and the ways on of its block.
-(Hecht and Ullman's node splitting; Janssen and Corporaal, "Making graphs reducible with controlled node splitting".)
+A region that is entered in more than one place (Duff's device, libgcc's Thumb-1 division) is no loop. Splitting gives
+the blocks that can be entered from outside, and are not the chosen header, a copy each for the entries from outside;
+the copies lead into the region. The graph keeps exactly the paths it had: each copy has the instructions and the ways
+on of its block. (Hecht and Ullman's node splitting; Janssen and Corporaal, "Making graphs reducible with controlled
+node splitting".)
 """
 
 from __future__ import annotations
@@ -20,8 +21,8 @@ _SMALL = 2000
 
 
 def split_irreducible(cfg: Cfg, growth: float = GROWTH_LIMIT) -> Cfg:
-    """A graph with the same paths and no irreducible region, as far as the growth limit lets it. Copies of a block share
-    its instructions; in a graph with copies, block ids no longer follow addresses."""
+    """A graph with the same paths and no irreducible region, as far as the growth limit lets it. Copies of a block
+    share its instructions; in a graph with copies, block ids no longer follow addresses."""
     allowed = max(_SMALL, int(growth * _size(cfg.blocks)))
     while True:
         regions = loop_nest(cfg).irreducible
@@ -40,8 +41,8 @@ def _size(blocks: tuple[Block, ...]) -> int:
 
 
 def _split(cfg: Cfg, region: frozenset[int]) -> Cfg:
-    """Make one entry of the region its only one: everything reached in the region from its other entries before that header
-    is copied once."""
+    """Make one entry of the region its only one: everything reached in the region from its other entries before that
+    header is copied once."""
     entries = {edge.target for edge in cfg.edges if edge.target in region and edge.source not in region}
     if cfg.entry in region:
         entries.add(cfg.entry)

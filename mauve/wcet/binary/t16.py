@@ -43,7 +43,8 @@ _CONDITIONS = tuple(Condition(value) for value in range(15))
 
 
 def decode_t16(half: int, address: int, in_it: bool) -> tuple[Condition | None, Action]:
-    """The meaning of the half-word at `address`, with the condition of a conditional branch (else None). Raises Undecodable."""
+    """The meaning of the half-word at `address`, with the condition of a conditional branch (else None). Raises
+    Undecodable."""
     flags = not in_it
     match half >> 12:
         case 0 | 1:
@@ -110,7 +111,9 @@ def _two_registers(half: int, flags: bool) -> Action:
         case "mul":  # muls rd, rm, rd: the old rd decides the multiplier's early termination
             return arithmetic.multiply(rd, rm, rd, None, False, flags, rd)
         case _:
-            return data_processing(name, flags or name in ("tst", "cmp", "cmn"), rd, rd, ShifterOperand(rm, reads=(rm,)))
+            return data_processing(
+                name, flags or name in ("tst", "cmp", "cmn"), rd, rd, ShifterOperand(rm, reads=(rm,))
+            )
 
 
 def _high_registers(half: int, address: int) -> Action:

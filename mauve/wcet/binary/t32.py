@@ -49,7 +49,8 @@ _UNDEFINED = "is not an instruction of this architecture"
 
 
 def decode_t32(first: int, second: int, address: int, in_it: bool) -> tuple[Condition | None, Action]:
-    """The meaning of the half-words at `address`, with the condition of a conditional branch (else None). Raises Undecodable."""
+    """The meaning of the half-words at `address`, with the condition of a conditional branch (else None). Raises
+    Undecodable."""
     if first >> 11 & 3 == 2:
         if second & 0x8000:
             return _branch_or_control(first, second, address, in_it)
@@ -234,11 +235,11 @@ def _long_multiply(first: int, second: int) -> Action:
             return arithmetic.divide(high, rn, rm, signed=op1 == 1)
     _plain(low)
     match op1, op2:
-        case (0 | 2 | 4 | 6), 0:
+        case ((0 | 2 | 4 | 6), 0):
             return arithmetic.long_multiply(low, high, rn, rm, op1 in (0, 4), op1 >= 4, False, rm)
         case 4, (8 | 9 | 10 | 11):
             return arithmetic.half_long_accumulate(low, high, rn, rm, op2 >> 1 & 1, op2 & 1)
-        case (4 | 5), (12 | 13):
+        case ((4 | 5), (12 | 13)):
             return opaque_result(Kind.SIMD, (low, high), (rn, rm), (low, high))
         case 6, 6:
             return arithmetic.multiply_accumulate_accumulate(low, high, rn, rm)
@@ -381,5 +382,3 @@ def _control(first: int, second: int) -> Action:
         case 0x7F if second >> 12 & 7 == 2:
             return Action((), Traits(Kind.HINT), Stop())
     raise Undecodable(_UNDEFINED)
-
-

@@ -1,8 +1,8 @@
 """Symbolic values along one path of code, for finding the targets of indirect jumps.
 
 A term is a number in a `Terms` table: a constant, the value of a register at the start of the path, an unknown, an
-operation on terms, or a load. Equal terms have equal numbers; operands come before what is made of them, so everything is
-computed in one pass in order of number, without recursion.
+operation on terms, or a load. Equal terms have equal numbers; operands come before what is made of them, so
+everything is computed in one pass in order of number, without recursion.
 """
 
 from __future__ import annotations
@@ -255,7 +255,8 @@ class Terms:
                 return term, sign, offset & MASK
 
     def bounds(self, term: int) -> Interval:
-        """An interval around the term that follows from how it is made; asked for when all facts of the path are known."""
+        """An interval around the term that follows from how it is made; asked for when all facts of the path are
+        known."""
         known = self._bounds
         if term not in known:
             ready = all(operand in known for operand in self.operands(term))

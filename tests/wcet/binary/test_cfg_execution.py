@@ -1,5 +1,5 @@
-"""No executed address lies outside the graph: functions of the fixtures run in the emulator with many arguments, and every
-instruction that was executed is in the graphs of what the function reaches."""
+"""No executed address lies outside the graph: functions of the fixtures run in the emulator with many arguments, and
+every instruction that was executed is in the graphs of what the function reaches."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from emulator import EmulationError, Emulator
 from mauve.wcet.binary.callgraph import callees
 from mauve.wcet.binary.cfg import build_cfg
 from mauve.wcet.binary.decode import Decoder
-from mauve.wcet.binary.elf import Bind, Binary, load
+from mauve.wcet.binary.elf import Binary, Bind, load
 from mauve.wcet.binary.graph import EXIT, Cfg
 
 FIXTURES = Path(__file__).parent.parent / "fixtures"

@@ -126,7 +126,8 @@ class Rig:
         return self.data[(at - DATA) % DATA_SIZE]
 
     def run(self, at: int, end: int, registers: list[int], flags: list[int], it: int) -> tuple[int, bool, bool]:
-        """One step from a state (none, when an IT condition fails: then `end` stops it); the next pc, whether it is in Thumb state, and whether the core refused."""
+        """One step from a state (none, when an IT condition fails: then `end` stops it); the next pc, whether
+        it is in Thumb state, and whether the core refused."""
         self.core.mem_write(DATA, self.data)
         word = sum(flag << bit for flag, bit in zip(flags, (31, 30, 29, 28), strict=True)) | 0x13
         if self.thumb:
@@ -169,7 +170,7 @@ def _compare(rig: Rig, decoded: Decoded, at: int, it: int, chance: random.Random
     wide = 8 if instruction.traits.kind is Kind.EXCLUSIVE else 1
     for address, size in state.accesses:
         inside = DATA <= address <= DATA + DATA_SIZE - size or CODE <= address <= CODE + CODE_SIZE - size
-        if state.wild or not inside or address % max(size, wide) or address < DATA and state.memory:
+        if state.wild or not inside or address % max(size, wide) or (address < DATA and state.memory):
             return False
     pc, thumb, failed = rig.run(at, instruction.end, registers, flags, it)
     shown = f"{instruction} ({instruction.ops}, {instruction.flow}) from {[hex(r) for r in registers]} {flags}"

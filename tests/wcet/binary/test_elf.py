@@ -124,7 +124,11 @@ def test_damaged_files_never_raise(seed: int) -> None:
 def test_lines_of_code_and_code_of_lines() -> None:
     binary = _binary("arm7tdmi-arm-O0")
     table = load_lines(binary)
-    assert [table.source(0x8000), table.source(0x8050), table.source(0x806C)] == ["loops.c:6", "loops.c:9", "loops.c:12"]
+    assert [table.source(0x8000), table.source(0x8050), table.source(0x806C)] == [
+        "loops.c:6",
+        "loops.c:9",
+        "loops.c:12",
+    ]
     assert table.addresses("loops.c", 8) == table.addresses("tests/wcet/fixtures/loops.c", 8) == (0x8010,)
     assert table.addresses("oops.c", 8) == () and table.source(0x10) == ""
     assert {"loops.c", "control.c"} <= {unit.name for unit in table.units}
