@@ -34,7 +34,11 @@ HOLDS: tuple[int, ...] = (
 )
 """The combinations in which a condition holds, by its encoding."""
 
-_N, _Z, _C, _V, _LT = (HOLDS[c.value] for c in (Condition.MI, Condition.EQ, Condition.CS, Condition.VS, Condition.LT))
+_N: int = HOLDS[Condition.MI.value]
+_Z: int = HOLDS[Condition.EQ.value]
+_C: int = HOLDS[Condition.CS.value]
+_V: int = HOLDS[Condition.VS.value]
+_LT: int = HOLDS[Condition.LT.value]
 
 
 def may_hold(flags: int, condition: Condition) -> bool:
@@ -89,7 +93,7 @@ def of_subtraction(a: Range, b: Range, difference: Range, ordered: int | None = 
     low, high = difference.signed_bounds()
     result = _choose(zero, not equal, _Z) & _choose(no_borrow, borrow, _C) & _choose(less, not_less, _LT)
     result &= _choose(low < 0, high >= 0, _N)
-    equal_combination = HOLDS[Condition.PL.value] & _C & ANY & ~_V
+    equal_combination: int = HOLDS[Condition.PL.value] & _C & ANY & ~_V
     return result & (ANY & ~_Z | equal_combination)
 
 

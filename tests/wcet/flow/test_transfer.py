@@ -1,0 +1,171 @@
+"""Abstract execution of straight code holds every concrete execution from the states it stands for."""
+
+from __future__ import annotations
+
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from wcet import microop_machine as machine
+
+from mauve.wcet.binary.microop import (
+    Compute,
+    Condition,
+    FlagKind,
+    Imm,
+    Instruction,
+    Kind,
+    Load,
+    Next,
+    Op,
+    SetCarry,
+    SetFlags,
+    Shift,
+    Store,
+    Traits,
+)
+from mauve.wcet.flow import domain, flags, joining, linear, transfer
+from mauve.wcet.flow.domain import MASK, TOP
+from mauve.wcet.flow.linear import entry_symbol
+from mauve.wcet.flow.state import State, Symbols
+
+REGISTERS = 6
+EDGES = [0, 1, 2, 3, 4, 8, 31, 32, 33, 100, 255, 256, 0x7FFFFFFF, 0x80000000, 0xFFFFFFFC, 0xFFFFFFFF]
+words = st.one_of(st.sampled_from(EDGES), st.integers(0, MASK))
+registers = st.integers(0, REGISTERS - 1)
+operands = st.one_of(registers, words.map(Imm))
+slots = st.integers(-6, 6).map(lambda i: 4 * i)
+STACK = 0x20001000
+
+
+@st.composite
+def operations(draw):
+    """A few micro-operations on registers and on the stack (register 13)."""
+    kind = draw(st.integers(0, 9))
+    if kind <= 4:
+        op = draw(st.sampled_from([op for op in Op if op is not Op.UNKNOWN]))
+        return (Compute(op, draw(registers), draw(operands), draw(operands)),)
+    if kind == 5:
+        return (SetFlags(draw(st.sampled_from([k for k in FlagKind if k is not FlagKind.UNKNOWN])), draw(operands), draw(operands)),)
+    if kind == 6:
+        return (SetCarry(draw(st.sampled_from(list(Shift))), draw(operands), draw(operands)),)
+    address = (Compute(Op.ADD, 16, 13, Imm(draw(slots) + draw(st.integers(0, 3)) & MASK)),)
+    size = draw(st.sampled_from([1, 2, 4]))
+    if kind == 7:
+        return (*address, Store(16, draw(operands), size))
+    return (*address, Load(draw(registers), 16, size, draw(st.booleans())))
+
+
+@st.composite
+def instructions(draw):
+    condition = draw(st.sampled_from([Condition.AL] * 3 + list(Condition)))
+    return condition, draw(operations())
+
+
+@st.composite
+def starts(draw):
+    """Ranges of the registers and one choice of numbers in them."""
+    ranges, numbers = [], []
+    for _ in range(REGISTERS):
+        low = draw(words)
+        if draw(st.booleans()):
+            ranges.append(TOP)
+            numbers.append(low)
+        else:
+            step, n = draw(st.sampled_from([1, 1, 4, 12])), draw(st.integers(0, 40))
+            ranges.append(domain.progression(low, step, n))
+            numbers.append((low + step * draw(st.integers(0, n))) & MASK)
+    return ranges, numbers
+
+
+def abstract(ranges) -> State:
+    state = State(Symbols())
+    for register, known in enumerate(ranges):
+        if known.n == 0:
+            state.regs[register] = known.low
+        elif not known.is_top:
+            state.ranges[entry_symbol(register)] = known
+    return state
+
+
+def concrete(numbers, n, z, c, v) -> machine.State:
+    values = [*numbers, *([0] * (13 - REGISTERS)), STACK, 0] + [0] * 20
+    return machine.State(values, [n, z, c, v], lambda address: (address * 37 + 11) & 0xFF)
+
+
+def holds(state: State, run: machine.State) -> bool:
+    """Whether some assignment of symbols explains the registers: necessary conditions on ranges and on differences."""
+    found = [state.range_of(state.regs[r]) for r in range(REGISTERS)]
+    if any(run.registers[r] is not None and run.registers[r] not in found[r] for r in range(REGISTERS)):
+        return False
+    for first in range(REGISTERS):
+        for second in range(first):
+            a, b = run.registers[first], run.registers[second]
+            if a is None or b is None:
+                continue
+            difference = state.range_of(linear.sub(state.regs[first], state.regs[second]))
+            if (a - b) & MASK not in difference:
+                return False
+    if None in run.flags:
+        return True
+    n, z, c, v = (bool(flag) for flag in run.flags)
+    return bool(state.flags & flags.exact(n, z, c, v))
+
+
+def execute_abstract(states: list[State], condition: Condition, ops) -> list[State]:
+    after = []
+    for state in states:
+        skipped = state.copy()
+        if condition is not Condition.AL and skipped.assume(condition.negated):
+            after.append(skipped)
+        if state.assume(condition):
+            transfer.run(state, ops, transfer.NoImage())
+            after.append(state)
+    return after
+
+
+@settings(max_examples=120, deadline=None)
+@given(starts(), st.tuples(*[st.booleans()] * 4), st.lists(instructions(), min_size=1, max_size=10), st.booleans())
+def test_abstract_execution_holds_the_concrete_one(start, nzcv, code, join_always):
+    ranges, numbers = start
+    states, run = [abstract(ranges)], concrete(numbers, *nzcv)
+    for condition, ops in code:
+        instruction = Instruction(0, 4, False, "", condition, ops, Next(), Traits(Kind.ALU))
+        machine.execute(instruction, run)
+        states = execute_abstract(states, condition, ops)
+        if join_always or len(states) > 6:
+            states = [joining.join_all(states)]
+        assert any(holds(state, run) for state in states)
+
+
+@settings(max_examples=60, deadline=None)
+@given(starts(), starts(), st.lists(operations(), max_size=4), st.lists(operations(), max_size=4))
+def test_a_join_holds_both_sides(left, right, first, second):
+    base = abstract(left[0])
+    other = base.copy()
+    run_one, run_two = concrete(left[1], 0, 0, 0, 0), concrete(left[1], 0, 0, 0, 0)
+    for state, run, code in ((base, run_one, first), (other, run_two, second)):
+        for ops in code:
+            transfer.run(state, ops, transfer.NoImage())
+            machine.execute(Instruction(0, 4, False, "", Condition.AL, ops, Next(), Traits(Kind.ALU)), run)
+    joined = joining.join(base, other)
+    assert holds(joined, run_one) and holds(joined, run_two)
+
+
+def test_a_compare_of_a_copy_narrows_the_stack_slot_it_came_from():
+    state = State(Symbols())
+    address = Compute(Op.SUB, 16, 13, Imm(8))
+    load = (address, Load(3, 16))
+    transfer.run(state, load, transfer.NoImage())
+    transfer.run(state, (SetFlags(FlagKind.SUB, 3, Imm(99)),), transfer.NoImage())
+    assert state.assume(Condition.LS)
+    transfer.run(state, (Compute(Op.MOV, 3, Imm(0)), *load), transfer.NoImage())
+    assert repr(state.range_of(state.regs[3])) == "[0..99]"
+
+
+def test_values_with_a_constant_difference_keep_it_across_a_join():
+    one, two = State(Symbols()), None
+    two = one.copy()
+    one.regs[0], one.regs[1] = 0, linear.of_symbol(entry_symbol(4))
+    two.regs[0], two.regs[1] = 1, linear.add(linear.of_symbol(entry_symbol(4)), 4)
+    joined = joining.join(one, two)
+    scaled = linear.scale(joined.regs[0], 4)
+    assert linear.sub(joined.regs[1], scaled) == linear.of_symbol(entry_symbol(4))
