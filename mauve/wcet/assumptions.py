@@ -1,4 +1,4 @@
-"""What every bound assumes of the hardware: listed in every result, beside what flow analysis assumes of the program."""
+"""What every bound assumes of the hardware, listed in every result beside what flow analysis assumes of the program."""
 
 from __future__ import annotations
 
