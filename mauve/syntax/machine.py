@@ -1,10 +1,8 @@
-"""The LALR machine: runs the table over the tokens and builds the tree at each reduction.
-
-A word is a keyword where the state of the machine has a use for it, else a name, except that reserved words never are.
-"""
+"""The LALR machine: runs the table over the tokens and builds the tree at each reduction."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -25,13 +23,47 @@ RESERVED = frozenset(
 
 @dataclass(frozen=True, slots=True)
 class Snapshot:
-    """The stacks before the token at index `at`."""
+    """The stacks before the token at index `at`. Lists among the values only grow, from `lengths` on."""
 
     at: int
     states: list[int]
     values: list[Any]
+    lengths: list[int]
     starts: list[int]
     last_end: int
+
+
+def feed(table: Table, states: list[int], kind: str) -> bool:
+    """Shift a kind of token on a stack of states alone, after the reductions it allows; False where it does not fit."""
+    actions = table.actions
+    action = actions[states[-1]].get(kind)
+    while action is not None and action < 0:
+        name, size = table.rules[~action]
+        if size:
+            del states[-size:]
+        states.append(actions[states[-1]][name])
+        if states[-1] == table.final:
+            return True
+        action = actions[states[-1]].get(kind)
+    if action is None:
+        return False
+    states.append(action)
+    return True
+
+
+def kind_of(table: Table, states: Sequence[int], token: Token) -> str:
+    """What a token is to the parser in these states.
+
+    A word is a keyword where it fits, else a name, except that reserved words never are. Where the last state knows
+    both, a LALR table may have borrowed the keyword from another context: then it is tried.
+    """
+    word = table.words.get(token.text) if token.kind == "NAME" else None
+    if word is None:
+        return token.kind
+    row = table.actions[states[-1]]
+    if token.text in RESERVED or (word in row and ("NAME" not in row or feed(table, list(states), word))):
+        return word
+    return "NAME"
 
 
 class Machine:
@@ -62,9 +94,8 @@ class Machine:
             kind, text, start, end = token
             row = actions[states[-1]]
             if kind == "NAME" and text in words:
-                if words[text] in row or text in RESERVED:
-                    kind = words[text]
-                else:
+                kind = kind_of(self.table, states, token)
+                if kind == "NAME":
                     self._suspect(token)
             action = row.get(kind)
             while action is not None and action < 0:
@@ -134,6 +165,9 @@ class Machine:
 
     def restore(self, snapshot: Snapshot) -> None:
         """Go back to an earlier situation."""
+        for value, length in zip(snapshot.values, snapshot.lengths, strict=True):
+            if type(value) is list:
+                del value[length:]
         self.states[:] = snapshot.states
         self.values[:] = snapshot.values
         self.starts[:] = snapshot.starts
@@ -143,5 +177,6 @@ class Machine:
         """Remember the situation before a keyword that stands first on its line and is about to be read as a name."""
         before = self.tokens[self.at - 1].end if self.at else 0
         if "\n" in self.file.text[before : token.start]:
-            values = [list(value) if type(value) is list else value for value in self.values]
-            self.suspect = Snapshot(self.at, list(self.states), values, list(self.starts), self.last_end)
+            values, starts = list(self.values), list(self.starts)
+            lengths = [len(value) if type(value) is list else 0 for value in values]
+            self.suspect = Snapshot(self.at, list(self.states), values, lengths, starts, self.last_end)

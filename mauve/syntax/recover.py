@@ -13,7 +13,7 @@ from dataclasses import replace
 from mauve.source import Span
 from mauve.syntax import ast
 from mauve.syntax.explain import explain, reserved, unclosed, unfinished
-from mauve.syntax.machine import RESERVED, Machine
+from mauve.syntax.machine import RESERVED, Machine, feed
 from mauve.syntax.repair import Repair, Situation, machine_situation
 from mauve.syntax.slips import slip
 from mauve.syntax.tokens import END, Token
@@ -173,12 +173,12 @@ class _Recovery:
         plan: list[int] = []
         while situation.score(states, (), at, 3) < 3:
             before = len(states)
-            while len(states) > 1 and not situation.feed(list(states), "RBRACE"):
+            while len(states) > 1 and not feed(situation.table, list(states), "RBRACE"):
                 states.pop()
             if len(states) == 1:
                 return False
             plan.append(before - len(states))
-            situation.feed(states, "RBRACE")
+            feed(situation.table, states, "RBRACE")
         for pops in plan:
             self._pop(pops)
             machine.push(Token("RBRACE", "}", machine.last_end, machine.last_end))

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from mauve.diagnostics.diagnostic import Diagnostic
 from mauve.diagnostics.suggest import closest
-from mauve.syntax.machine import RESERVED, Machine
+from mauve.syntax.machine import Machine, feed, kind_of
 from mauve.syntax.table import Table
 from mauve.syntax.tokens import END, Token
 
@@ -64,7 +64,7 @@ class Situation:
 
     def fits(self, kind: str) -> bool:
         """Whether a token of this kind could stand here."""
-        return self.feed(list(self.states), kind)
+        return feed(self.table, list(self.states), kind)
 
     def complete(self) -> bool:
         """Whether the file could end here."""
@@ -74,30 +74,6 @@ class Situation:
         """All kinds of tokens that could stand here."""
         return [kind for kind in self.row() if (kind.isupper() or kind == END) and self.fits(kind)]
 
-    def feed(self, states: list[int], kind: str) -> bool:
-        """Shift a token of this kind, after the reductions it allows; False where it does not fit."""
-        actions = self.table.actions
-        action = actions[states[-1]].get(kind)
-        while action is not None and action < 0:
-            name, size = self.table.rules[~action]
-            if size:
-                del states[-size:]
-            states.append(actions[states[-1]][name])
-            if states[-1] == self.table.final:
-                return True
-            action = actions[states[-1]].get(kind)
-        if action is None:
-            return False
-        states.append(action)
-        return True
-
-    def kind(self, state: int, token: Token) -> str:
-        """What the parser would take a token for."""
-        word = self.table.words.get(token.text) if token.kind == "NAME" else None
-        if word is not None and (word in self.table.actions[state] or token.text in RESERVED):
-            return word
-        return token.kind
-
     def score(self, states: Sequence[int], insert: Sequence[str], at: int, limit: int) -> int:
         """How many tokens from index `at` on fit after the inserted kinds, at most `limit`; the end counts as all.
 
@@ -105,11 +81,11 @@ class Situation:
         """
         simulated = list(states)
         for kind in insert:
-            if not self.feed(simulated, kind):
+            if not feed(self.table, simulated, kind):
                 return 0
         for count in range(limit):
             token = self.tokens[min(at + count, len(self.tokens) - 1)]
-            if not self.feed(simulated, self.kind(simulated[-1], token)):
+            if not feed(self.table, simulated, kind_of(self.table, simulated, token)):
                 return count + (count > 0 and self.opens_line(min(at + count, len(self.tokens) - 1)))
             if token.kind == END:
                 return limit

@@ -8,7 +8,7 @@ from collections.abc import Callable
 from mauve.diagnostics.diagnostic import Applicability, Diagnostic, Edit, Fix, Label
 from mauve.source import Span
 from mauve.syntax.build_systems import unit_apart
-from mauve.syntax.machine import Machine
+from mauve.syntax.machine import Machine, feed
 from mauve.syntax.quantities import UNITS
 from mauve.syntax.repair import Repair, Situation
 from mauve.syntax.tokens import Token
@@ -25,7 +25,7 @@ def slip(situation: Situation) -> Repair | None:
         if repair is None:
             continue
         states = list(situation.states[: len(situation.states) - repair.pops])
-        if all(situation.feed(states, kind) for kind in repair.insert):
+        if all(feed(situation.table, states, kind) for kind in repair.insert):
             return repair
     return None
 
