@@ -2,8 +2,8 @@
 
 The target is followed symbolically along each path that ends at the jump. It is known when it is a constant, the return
 address, or a function of one value with a small range (by its making or by comparisons on the path) through constant
-memory: a switch table. Paths grow backwards, a block at a time, until each answers; all must. That finds the tables of gcc
-and clang in A32, T16 and T32, veneers, calls through literals and computed jumps into unrolled code, and knows none.
+memory: a switch table. Paths grow backwards, a block at a time, until each answers; all must. That finds the tables of
+gcc and clang in A32, T16 and T32, veneers, calls through literals and computed jumps into unrolled code.
 """
 
 from __future__ import annotations

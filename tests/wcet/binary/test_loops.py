@@ -45,7 +45,7 @@ def _reach(following: list[list[int]], start: int, without: int | None) -> set[i
 
 
 @given(graphs())
-@settings(max_examples=300, deadline=None)
+@settings(max_examples=120, deadline=None)
 def test_dominators_follow_the_definition(following: list[list[int]]) -> None:
     intervals = dominator_intervals(immediate_dominators(following, 0), 0)
     for a in range(len(following)):
@@ -56,7 +56,7 @@ def test_dominators_follow_the_definition(following: list[list[int]]) -> None:
 
 
 @given(graphs())
-@settings(max_examples=300, deadline=None)
+@settings(max_examples=120, deadline=None)
 def test_loops_are_natural_and_nested(following: list[list[int]]) -> None:
     cfg = graph(following)
     nest = loop_nest(cfg)
@@ -83,7 +83,7 @@ def test_loops_are_natural_and_nested(following: list[list[int]]) -> None:
 
 
 @given(graphs())
-@settings(max_examples=300, deadline=None)
+@settings(max_examples=120, deadline=None)
 def test_splitting_removes_irreducible_regions_and_keeps_paths(following: list[list[int]]) -> None:
     cfg = graph(following)
     copy = split_irreducible(cfg)
@@ -99,7 +99,7 @@ def test_splitting_removes_irreducible_regions_and_keeps_paths(following: list[l
 
 
 def test_a_long_chain_needs_no_recursion() -> None:
-    size = 100_000
+    size = 40_000
     following = [[n + 1] if n + 1 < size else [] for n in range(size)]
     following[-1] = [size // 2]
     parents = immediate_dominators(following, 0)
