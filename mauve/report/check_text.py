@@ -43,6 +43,8 @@ COMPONENTS = (
 
 def format_check(result: CheckResult, style: Style, limit: int | None = None) -> str:
     """The whole result, a section per deployment; empty where nothing was analysed. `limit` is the width to keep to."""
+    if result.model is not None and not result.model.deployments:
+        return f"{result.path}: no deployment, so nothing to check\n"
     lines: list[str] = []
     for deployment in result.deployments:
         lines += [*_deployment(deployment, style, limit), ""]
