@@ -77,4 +77,5 @@ def _problem(problem: Problem) -> dict[str, Any]:
         "message": problem.message,
         "call_path": list(problem.call_path),
         "suggestions": list(problem.suggestions),
+        "written": problem.written,
     }

@@ -25,7 +25,7 @@ ELVES = [
     ("arm7tdmi-thumb-O2.elf", "arm926ej-s"),
 ]
 
-# b: buffer of random bytes, w: of small words, s: of sorted words, t: text, i: small integer, u: any word, f, d, q: numbers
+# b: random bytes, w: small words, i: a small integer (mostly), u: any word; f, d, q: float, double, 64-bit integer
 QUICK = {
     "sum": "w",
     "loop_down_unsigned": "w",

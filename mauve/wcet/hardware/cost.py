@@ -73,6 +73,9 @@ def edge_costs(
         for index in outgoing.get(block_id, ()):
             edge = cfg.edges[index]
             cycles, after = leave.by(endings[index])
+            if edge.callees and endings[index] != (True,):
+                # Falling into another function: it was analysed with all results ready at its entry.
+                cycles += max((max(delays) for delays in after.values()), default=0)
             worst[index] = max(worst[index], cycles + target_waits[index])
             if edge.target == EXIT:
                 continue

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from mauve.wcet.binary.microop import (
     Condition,
     Instruction,
+    Kind,
     Load,
     Next,
     SetCarry,
@@ -117,8 +118,9 @@ def _data_waits(instruction: Instruction, memory: MemoryMap, accesses: Accesses)
             here = (op.size + 3) // 4
             waits += here * memory.data_wait(accesses.get((instruction.address, index)), not isinstance(op, Load))
             beats += here
-    # Words that no micro-operation describes (coprocessor and FPU transfers) may go anywhere.
-    missing = max(0, instruction.traits.transfers - beats)
+    # Words that no micro-operation describes (coprocessor and FPU transfers, preloads) may come from anywhere.
+    moved = max(instruction.traits.transfers, int(instruction.traits.kind is Kind.PRELOAD))
+    missing = max(0, moved - beats)
     return waits + missing * max(memory.slowest_read, memory.slowest_write)
 
 

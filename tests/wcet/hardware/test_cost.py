@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import pytest
 
@@ -196,8 +196,6 @@ def test_waits_of_a_branch_on_one_bus_fall_on_its_target() -> None:
 
 
 def test_a_call_pays_for_the_fetches_at_its_callee_and_of_the_return() -> None:
-    from dataclasses import replace
-
     cfg = graph([[0xEB000000], [BX_LR]], [(0, 1, CALL), (1, EXIT, RETURN)])
     call = replace(cfg.edges[0], callees=(0x80000,))
     cfg = replace(cfg, edges=(call, cfg.edges[1]))
@@ -245,8 +243,6 @@ def test_wait_states_need_a_compositional_core() -> None:
 
 def test_falling_into_the_next_function_does_not_take_the_branch() -> None:
     """muleq r0, r1, r2; bne back: on the way past the branch the multiply has executed."""
-    from dataclasses import replace
-
     cfg = graph([[0x00000291, 0x1A000000]], [(0, EXIT, TAKEN), (0, EXIT, EdgeKind.TAIL_CALL)])
     behind = replace(cfg.edges[1], callees=(BASE + 8,))
     cfg = replace(cfg, edges=(cfg.edges[0], behind))
@@ -256,3 +252,17 @@ def test_falling_into_the_next_function_does_not_take_the_branch() -> None:
 def test_a_skipped_call_still_costs_its_branch() -> None:
     cfg = graph([[0x0B000000]], [(0, EXIT, FALL)])
     assert edge_costs(cfg, core("arm7tdmi"), board(), {}).cycles == (3,)
+
+
+def test_results_that_are_late_when_code_falls_into_the_next_function() -> None:
+    cfg = graph([[0xE5D10000]], [(0, EXIT, EdgeKind.TAIL_CALL)])
+    cfg = replace(cfg, edges=(replace(cfg.edges[0], callees=(BASE + 4,)),))
+    assert edge_costs(cfg, core("arm926ej-s"), board(), {}).cycles == (1 + 2,)
+    # a branch in between hides them
+    cfg = graph([[0xE5D10000, 0xEA000000]], [(0, EXIT, EdgeKind.TAIL_CALL)])
+    cfg = replace(cfg, edges=(replace(cfg.edges[0], callees=(BASE + 0x100,)),))
+    assert edge_costs(cfg, core("arm926ej-s"), board(), {}).cycles == (1 + 3,)
+
+
+def test_a_preload_waits_for_the_slowest_memory() -> None:
+    assert waits("arm926ej-s", 0xF5D1F000, None) == 2 + 7

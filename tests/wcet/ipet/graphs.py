@@ -184,3 +184,45 @@ def nested(depth: int, bound: int, cost: int) -> PathProblem:
 
 def with_totals(problem: PathProblem, totals: dict[int, int]) -> PathProblem:
     return replace(problem, totals=totals)
+
+
+def large(blocks: int, seed: int = 1) -> PathProblem:
+    """A structured program of about that many blocks, up to five loops deep; its nest is known by construction."""
+    random = Random(seed)
+    edges: Edges = []
+    loops: list[Loop] = []
+    count = 1
+
+    def new() -> int:
+        nonlocal count
+        count += 1
+        return count - 1
+
+    def sequence(at: int, depth: int, around: tuple[int, ...]) -> int:
+        for _ in range(4):
+            if depth and random.random() < 0.35:
+                header, body, index = new(), new(), len(loops)
+                entry = len(edges)
+                edges.append((at, header))
+                edges.append((header, body))
+                loops.append(Loop(index, header, frozenset(), (), (entry,), None, 1))
+                end = sequence(body, depth - 1, (*around, index))
+                edges.append((end, header))
+                inside = frozenset(range(header, count))
+                parent = around[-1] if around else None
+                loops[index] = Loop(index, header, inside, (len(edges) - 1,), (entry,), parent, len(around) + 1)
+                at = new()
+                edges.append((header, at))
+            else:
+                left, right, join = new(), new(), new()
+                edges.extend([(at, left), (at, right), (left, join), (right, join)])
+                at = join
+        return at
+
+    last = 0
+    while count < blocks:
+        last = sequence(last, 5, ())
+    edges.append((last, EXIT))
+    costs = tuple(random.randrange(1, 30) for _ in edges)
+    bounds = {index: random.randint(1, 50) for index in range(len(loops))}
+    return PathProblem(count, 0, tuple(edges), costs, LoopNest(tuple(loops)), bounds)
