@@ -61,9 +61,9 @@ def match_facts(
 ) -> Matches:
     """Apply the loop facts to the loops of one function.
 
-    `derived` holds the bounds that analysis found: a fact that allows more is remarked on, the caller uses the smaller one.
-    `least` holds header executions per entry that must happen whenever the loop is entered and left: a fact that allows
-    fewer contradicts the binary.
+    `derived` holds the bounds that analysis found: a fact that allows more is remarked on, the caller uses the smaller
+    one. `least` holds header executions per entry that must happen whenever the loop is entered and left: a fact that
+    allows fewer contradicts the binary.
     """
     result = Matches()
     for index, fact in enumerate(facts):
