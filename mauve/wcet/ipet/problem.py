@@ -6,7 +6,7 @@ blocks or EXIT, costs are not negative, loops are entered at their headers only,
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from math import prod
 
@@ -115,3 +115,9 @@ def header_edges(problem: PathProblem, loop: int) -> tuple[tuple[int, ...], tupl
     back = tuple(edge for edge in here.back_edges if edge not in problem.infeasible)
     entries = tuple(edge for edge in here.entry_edges if edge not in problem.infeasible)
     return back, entries, int(here.header == problem.entry)
+
+
+def executions(problem: PathProblem, loop: int, counts: Sequence[int]) -> int:
+    """How often a loop's header runs when the edges are passed `counts` times."""
+    back, entries, starts = header_edges(problem, loop)
+    return sum(counts[edge] for edge in (*back, *entries)) + starts

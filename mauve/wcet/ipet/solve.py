@@ -11,7 +11,7 @@ from dataclasses import replace
 from enum import Enum
 from fractions import Fraction
 
-from mauve.wcet.ipet.problem import PathProblem, PathSolution
+from mauve.wcet.ipet.problem import PathProblem, PathSolution, executions
 from mauve.wcet.ipet.program import dual_bound, rows, violated
 from mauve.wcet.ipet.structural import Skeleton, skeleton, solve_skeleton
 from mauve.wcet.ipet.totals import bound_with_totals
@@ -47,9 +47,12 @@ def _with_totals(shape: Skeleton, structural: PathSolution) -> PathSolution:
     """The bound where totals cut off the structural solution."""
     problem = shape.problem
     method = "structural with totals"
-    if len(problem.totals) == 1:
-        priced = bound_with_totals(shape)
-        if priced is not None and priced.counts is not None:
+    broken = [loop for loop in problem.totals if executions(problem, loop, structural.counts) > problem.totals[loop]]
+    if len(broken) == 1:
+        # With this total alone the optimum is exact; it is that of all totals if it keeps the others as well.
+        alone = replace(problem, totals={broken[0]: problem.totals[broken[0]]})
+        priced = bound_with_totals(replace(shape, problem=alone))
+        if priced is not None and priced.counts is not None and not violated(problem, priced.counts):
             return PathSolution(priced.bound, priced.counts, True, method)
     ilp = _ilp(problem)
     priced = bound_with_totals(shape, _prices(problem, ilp[2]) if ilp else None)

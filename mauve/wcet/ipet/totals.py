@@ -11,12 +11,12 @@ totals are priced in turn, from any start, for example the dual values of a line
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 from math import lcm
 
-from mauve.wcet.ipet.problem import PathProblem, header_edges
+from mauve.wcet.ipet.problem import executions, header_edges
 from mauve.wcet.ipet.structural import Skeleton, solve_skeleton
 
 ROUNDS = 8
@@ -117,11 +117,6 @@ def _line(shape: Skeleton, prices: Mapping[int, Fraction], loop: int | None) -> 
     solution = solve_skeleton(shape, costs)
     if solution is None:
         return None
-    slope = 0 if loop is None else problem.totals[loop] - _executions(problem, loop, solution.counts)
+    slope = 0 if loop is None else problem.totals[loop] - executions(problem, loop, solution.counts)
     price = Fraction(0) if loop is None else prices[loop]
     return _Line(price, Fraction(solution.cycles + constant, scale), slope, solution.counts)
-
-
-def _executions(problem: PathProblem, loop: int, counts: Sequence[int]) -> int:
-    back, entries, starts = header_edges(problem, loop)
-    return sum(counts[edge] for edge in (*back, *entries)) + starts

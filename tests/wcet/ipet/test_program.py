@@ -125,3 +125,13 @@ def test_program_prints_as_an_lp_file() -> None:
         " x_b0_b1 x_b1_b0 x_b0_exit\n"
         "End\n"
     )
+
+
+def test_one_total_that_matters_needs_no_linear_program(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The outer total says nothing new; only the inner one cuts the structural solution."""
+    monkeypatch.setattr("mauve.wcet.ipet.model.solve_ilp", lambda problem: pytest.fail("PuLP was asked"))
+    problem = replace(nested(depth=2, bound=11, cost=1), costs=(10, 1, 1, 10, 10), totals={0: 11, 1: 65})
+    triangle = solve(problem)
+    assert triangle is not None and triangle.attained
+    assert triangle.cycles == 10 * 20 + (65 - 10) * 2 + 10
+    assert violated(problem, triangle.counts) == ()
