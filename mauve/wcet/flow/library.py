@@ -1,10 +1,10 @@
 """Bounds of loops in run-time helpers (libgcc, compiler-rt) that no general argument of ours proves.
 
 A helper is recognised by a fingerprint of all its instructions, not by its name: registers, immediates and relative
-branches count, the addresses of callees and where it was linked do not. So the code that establishes the condition on
-which a loop is entered is part of what is recognised. For each loop the table holds the greatest number of executions of
-its first instruction in one call of the helper, and why; that is a bound per entry of any loop with this header, also
-of a copy that node splitting made.
+branches count, the addresses of callees and where it was linked do not. So the code that establishes the condition
+on which a loop is entered is part of what is recognised. For each loop the table holds the greatest number of
+executions of its first instruction in one call of the helper, and why; that is a bound per entry of any loop with this
+header, also of a copy that node splitting made.
 """
 
 from __future__ import annotations

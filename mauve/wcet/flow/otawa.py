@@ -2,7 +2,8 @@
 
 A file is a list of statements, each ended by a semicolon; `//` and `#` start a comment up to the end of the line,
 `/* */` encloses one. An address is a number, `"symbol"`, `"symbol" + offset` (or - offset), or `"file":line`.
-Numbers are decimal, hexadecimal (0x), octal (leading 0) or binary (0b). A `?` stands where a tool left a number to be filled in.
+Numbers are decimal, hexadecimal (0x), octal (leading 0) or binary (0b). A `?` stands where a tool left a number to be
+filled in.
 
 What `loop ADDRESS max N` counts: passes along back edges, per entry of the loop. That is how OTAWA constrains its
 problem, so a loop may run its header N + 1 times, whether the compiler left the test at its top or turned it around.
@@ -73,8 +74,10 @@ _TOKEN = re.compile(
 
 
 _STATEMENTS = frozenset(
-    ("loop", "noreturn", "return", "nocall", "multibranch", "multicall", "checksum", "noblock", "doinline", "noinline")
-    + ("ignorecontrol", "preserve", "memory", "register", "force", "ignore")
+    {
+        *("loop", "noreturn", "return", "nocall", "multibranch", "multicall", "checksum", "noblock", "doinline"),
+        *("noinline", "ignorecontrol", "preserve", "memory", "register", "force", "ignore"),
+    }
 )
 
 

@@ -1,9 +1,9 @@
-"""Rebuilds mauve/wcet/flow/library/*.toml: `python -m tests.wcet.flow.build_library_table` (needs both cross compilers).
+"""Rebuilds mauve/wcet/flow/library/*.toml: `python -m tests.wcet.flow.build_library_table` (with both compilers).
 
 Links every run-time helper of libgcc (several multilibs) and of compiler-rt, lists the loops of those that arithmetic
-needs, keeps the ones that no ranking argument bounds, gives each the bound of a rule below, which a person has proven, and
-runs the helper in unicorn with adversarial and random operands: an observed count above the bound stops the script. A
-loop without a rule is reported and left out.
+needs, keeps the ones that no ranking argument bounds, gives each the bound of a rule below, which a person has proven,
+and runs the helper in unicorn with adversarial and random operands: an observed count above the bound stops the script.
+A loop without a rule is reported and left out.
 """
 
 from __future__ import annotations
@@ -34,32 +34,34 @@ HELPER = re.compile(rf"__({SOFT}|{INTEGER}|{CONVERT}|aeabi_[a-z]+2[a-z]+|u?divmo
 
 PROOFS = {
     "remainder-order": (
-        "The counter starts at most at 31, the places by which a nonzero divisor was shifted left without losing a bit; each"
-        " pass subtracts 4 and needs a result >= 0: 7 passes, 8 executions."
+        "The counter starts at most at 31, the places by which a nonzero divisor was shifted left without losing "
+        "a bit; each pass subtracts 4 and needs a result >= 0: 7 passes, 8 executions."
     ),
     "double-quotient": (
-        "The mask starts at bit 19 and falls by 4 places: 5 executions until it is 0. Then, if bit 20 of the high word is"
-        " clear, the low word, which has bit 20 set from the start, moves there and the mask restarts once at bit 31: 8"
-        " executions more until it is 0. Bit 20 is set now, so it does not restart again: 13."
+        "The mask starts at bit 19 and falls by 4 places: 5 executions until it is 0. Then, if bit 20 of the high"
+        " word is clear, the low word, which has bit 20 set from the start, moves there and the mask restarts "
+        "once at bit 31: 8 executions more until it is 0. Bit 20 is set now, so it does not restart again: 13."
     ),
     "single-denormal": (
-        "For an operand with exponent 0 the fraction is not 0 (zeros are sorted out before) and below bit 23; each pass"
-        " doubles it until bit 23 is set, at most 23 executions. For others the condition fails at the first execution."
+        "For an operand with exponent 0 the fraction is not 0 (zeros are sorted out before) and below bit 23; "
+        "each pass doubles it until bit 23 is set, at most 23 executions. For others the condition fails at the "
+        "first execution."
     ),
     "wide-quotient": (
-        "The counter is the distance between the leading ones of divisor and dividend, at most 63, 64 for a divisor of 0; it"
-        " falls by one with each pass until 0."
+        "The counter is the distance between the leading ones of divisor and dividend, at most 63, 64 for a "
+        "divisor of 0; it falls by one with each pass until 0."
     ),
-    "power-bits": "Each pass consumes at least one of the 32 bits of the exponent.",
+    "power-bits": ("Each pass consumes at least one of the 32 bits of the exponent."),
     "digit-correction": (
-        "Knuth's algorithm D with digits of 16 bits: the divisor is shifted so that its upper digit is at least 2**15; each"
-        " correction adds it to the remainder, and the loop ends when that reaches 2**16, after two corrections at the latest;"
-        " the second of them does not come back to the header."
+        "Knuth's algorithm D with digits of 16 bits: the divisor is shifted so that its upper digit is at least "
+        "2**15; each correction adds it to the remainder, and the loop ends when that reaches 2**16, after two "
+        "corrections at the latest; the second of them does not come back to the header."
     ),
     "thumb-digits": (
-        "A word starts with at most 16 ones on top (24 in the loop of signed division) and zeros below. A pass shifts it left"
-        " by 8 (6) places, the first one by 4 when the loop is entered in its middle, and the loop goes on while the last"
-        " bit shifted out is a one: not after the third (fifth) pass, which shifts out a zero."
+        "A word starts with at most 16 ones on top (24 in the loop of signed division) and zeros below. A pass "
+        "shifts it left by 8 (6) places, the first one by 4 when the loop is entered in its middle, and the loop "
+        "goes on while the last bit shifted out is a one: not after the third (fifth) pass, which shifts out a "
+        "zero."
     ),
 }
 
@@ -96,7 +98,8 @@ ZIG = (
 )
 PROGRAM = """
 volatile unsigned u; volatile unsigned long long w; volatile float f; volatile double d;
-void _start(void) { u = u / u + u % u; w = w / w + w % w; f = f * f / f + f; d = d * d / d + d; u = d; d = w; f = w; w = f; }
+void integer(void) { u = u / u + u % u; w = w / w + w % w; }
+void _start(void) { integer(); f = f * f / f + f; d = d * d / d + d; u = d; d = w; f = w; w = f; }
 """
 
 
@@ -111,7 +114,8 @@ def build(folder: Path) -> list[tuple[str, str, Path]]:
         archive = subprocess.run(name, check=True, capture_output=True, text=True).stdout.strip()
         link = ["-Wl,--whole-archive", archive, "-Wl,--no-whole-archive", "-lc", "-Wl,--unresolved-symbols=ignore-all"]
         options = ["-O2", "-nostdlib", "-Wl,--allow-multiple-definition", "-Wl,-Ttext=0x8000", "-Wl,-z,muldefs"]
-        subprocess.run(["arm-none-eabi-gcc", *flags, *options, source, *link, "-o", image], check=True, capture_output=True)
+        command = ["arm-none-eabi-gcc", *flags, *options, source, *link, "-o", image]
+        subprocess.run(command, check=True, capture_output=True)
         images.append((found, cpu, image))
     for number, (found, cpu, flags) in enumerate(ZIG):
         image = folder / f"zig{number}.elf"
@@ -121,8 +125,10 @@ def build(folder: Path) -> list[tuple[str, str, Path]]:
 
 
 # --------------------------------------------------------------------------------------------------------- execution
-SPECIAL = (0, 1, 2, 3, 7, 255, 0x7FFFFF, 0x800000, 0x7FFFFFFF, 0x80000000, 0x80000001, 0xFFFFFFFF, 0x7F800000, 0x3F800000,
-           0x000FFFFF, 0x00100000, 0x7FF00000, 0x3FF00000, 0x55555555, 0xFFFF0000, 0x0000FFFF)  # fmt: skip
+SPECIAL = (
+    *(0, 1, 2, 3, 7, 255, 0x7FFFFF, 0x800000, 0x7FFFFFFF, 0x80000000, 0x80000001, 0xFFFFFFFF, 0x7F800000),
+    *(0x3F800000, 0x000FFFFF, 0x00100000, 0x7FF00000, 0x3FF00000, 0x55555555, 0xFFFF0000, 0x0000FFFF),
+)
 
 
 def operands(rng: random.Random) -> list[int]:
@@ -144,10 +150,11 @@ def operands(rng: random.Random) -> list[int]:
 def observe(emulator: Emulator, function: int, headers: list[int], runs: int) -> dict[int, int]:
     """The greatest number of executions of each header in one call."""
     rng = random.Random(function)
+    result = emulator.alloc(bytes(16))
     most = dict.fromkeys(headers, 0)
     for _ in range(runs):
         try:
-            run = emulator.call(function, operands(rng), max_instructions=100_000)
+            run = emulator.call(function, [*operands(rng), result], max_instructions=100_000)
         except EmulationError:
             continue
         for header in headers:
@@ -191,12 +198,18 @@ def survey(found: str, cpu: str, image: Path, table: dict[str, dict], runs: int)
 
 def write(path: Path, table: dict[str, dict]) -> None:
     """One TOML file."""
-    lines = ["# Written by tests/wcet/flow/build_library_table.py; the proofs stand there, too.", f"format = {FORMAT}", ""]
+    lines = [
+        "# Written by tests/wcet/flow/build_library_table.py; the proofs stand there, too.",
+        f"format = {FORMAT}",
+        "",
+    ]
     used = {proof for entry in table.values() for _, proof in entry["loops"].values()}
     lines += ["[proofs]", *(f'{name} = "{text}"' for name, text in PROOFS.items() if name in used)]
     for key, entry in sorted(table.items(), key=lambda item: (item[1]["names"], item[0])):
         lines += ["", "[[function]]", f'fingerprint = "{key}"']
-        lines += [f"{word} = [{', '.join(f'{chr(34)}{v}{chr(34)}' for v in entry[word])}]" for word in ("names", "found")]
+        lines += [
+            f"{word} = [{', '.join(f'{chr(34)}{v}{chr(34)}' for v in entry[word])}]" for word in ("names", "found")
+        ]
         loops = (
             f'{{ offset = {offset}, total = {total}, proof = "{proof}" }}'
             for offset, (total, proof) in sorted(entry["loops"].items())

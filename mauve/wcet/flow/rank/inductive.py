@@ -28,8 +28,8 @@ def inductive(program: Program, loop: Loop, entries: list[State]) -> Mapping[Loc
 def inductive_of(problem: Problem) -> Mapping[Location, Interval]:
     """The least interval invariant that widening and two rounds of narrowing find.
 
-    With E the intervals at entry and F what a pass makes of intervals, the result X satisfies E <= X and F(X) <= X when the
-    widening has become stable; E join F(X) of such an X is again one, so narrowing keeps that.
+    With E the intervals at entry and F what a pass makes of intervals, the result X satisfies E <= X and F(X) <= X when
+    the widening has become stable; E join F(X) of such an X is again one, so narrowing keeps that.
     """
     engine = Engine(problem)
     if not 0 < len(engine.measures) <= MOST_MEASURES or len(problem.passes) > MOST_PASSES:

@@ -1,0 +1,89 @@
+"""The table of helper loops: recognised in linked images, refused for other code, and never below what is executed."""
+
+from __future__ import annotations
+
+import random
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from mauve.wcet.binary.cfg import build_cfg
+from mauve.wcet.binary.elf import Binary, load
+from mauve.wcet.binary.graph import Cfg
+from mauve.wcet.binary.loops import loop_nest
+from mauve.wcet.binary.split import split_irreducible
+from mauve.wcet.flow.library import fingerprint, known_functions, library_bound, read_table
+from tests.emulator import EmulationError, Emulator
+from tests.wcet.flow.build_library_table import LIBRARY, operands
+
+FIXTURES = Path(__file__).resolve().parents[1] / "fixtures"
+
+
+def helper(image: str, name: str) -> Cfg:
+    binary = load(FIXTURES / image)
+    assert isinstance(binary, Binary)
+    return split_irreducible(build_cfg(binary, binary.function(name).key))
+
+
+CASES = [
+    ("arm7tdmi-arm-O2.elf", "arm7tdmi", "__divdf3", {13}),
+    ("arm7tdmi-arm-O2.elf", "arm7tdmi", "__mulsf3", {23}),
+    ("arm7tdmi-arm-O2.elf", "arm7tdmi", "__divsf3", {23}),
+    ("arm7tdmi-arm-O2.elf", "arm7tdmi", "__udivmoddi4", {64}),
+    ("cortex-m0-thumb-O2.elf", "cortex-m0", "__udivsi3", {3}),
+    ("cortex-m0-thumb-O2.elf", "cortex-m0", "__divsi3", {5}),
+    ("cortex-m3-thumb-O2.elf", "cortex-m3", "__aeabi_ddiv", {13}),
+]
+
+
+@pytest.mark.parametrize(("image", "cpu", "name", "totals"), CASES)
+def test_helpers_are_recognised_and_never_run_longer(image: str, cpu: str, name: str, totals: set[int]) -> None:
+    cfg = helper(image, name)
+    bounds = {
+        cfg.blocks[loop.header].address: bound.bound
+        for loop in loop_nest(cfg).loops
+        if (bound := library_bound(cfg, loop)) is not None
+    }
+    assert set(bounds.values()) == totals
+    emulator = Emulator(FIXTURES / image, cpu)
+    result = emulator.alloc(bytes(16))
+    rng = random.Random(11)
+    observed = 0
+    for _ in range(150):
+        try:
+            run = emulator.call(name, [*operands(rng), result], max_instructions=50_000)
+        except EmulationError:
+            continue
+        for header, bound in bounds.items():
+            observed = max(observed, run.counts.get(header, 0))
+            assert run.counts.get(header, 0) <= bound
+    assert observed > 0 or name == "__udivmoddi4"
+
+
+def test_code_that_differs_in_one_instruction_is_not_recognised() -> None:
+    cfg = helper("arm7tdmi-arm-O2.elf", "__divdf3")
+    block = cfg.blocks[cfg.entry]
+    changed = replace(block.instructions[0], text="mov r0, r0")
+    blocks = list(cfg.blocks)
+    blocks[cfg.entry] = replace(block, instructions=(changed, *block.instructions[1:]))
+    other = replace(cfg, blocks=tuple(blocks))
+    assert fingerprint(other) != fingerprint(cfg)
+    assert all(library_bound(other, loop) is None for loop in loop_nest(other).loops)
+
+
+def test_the_place_does_not_matter() -> None:
+    first, second = (helper(image, "__divdf3") for image in ("arm7tdmi-arm-O2.elf", "arm7tdmi-arm-O0.elf"))
+    assert first.address != second.address
+    assert fingerprint(first) == fingerprint(second)
+
+
+def test_tables_are_complete() -> None:
+    assert {path.name for path in LIBRARY.glob("*.toml")} == {"libgcc.toml", "compiler-rt.toml"}
+    for known in known_functions().values():
+        assert known.names and known.found and known.loops
+        assert all(loop.total >= 1 and loop.proof for loop in known.loops)
+
+
+def test_a_table_of_another_format_is_empty() -> None:
+    assert read_table("format = 0") == {}
