@@ -14,7 +14,7 @@ from mauve.model.model import Binary, CodelId, Deployment, Interrupt, Node
 from mauve.verdict.binaries import note_diagnostics, problem_diagnostic, unreadable
 from mauve.verdict.facts import read_facts
 from mauve.verdict.stale import check_stale
-from mauve.wcet.result import ProblemKind, WcetResult
+from mauve.wcet.result import Problem, ProblemKind, WcetResult
 
 if TYPE_CHECKING:
     from mauve.wcet.cache import Cache
@@ -32,15 +32,18 @@ class Derivation:
 
 def derive(deployment: Deployment, plans: tuple[CodelPlan, ...], use_cache: bool, report: Report) -> Derivation:
     """Analyse every codel in the binaries of the deployment, and the interrupt handlers named by symbol."""
-    cache = _open_cache(use_cache)
+    cache = _open_cache(use_cache and any(node.binaries for node in deployment.nodes))
     found: dict[CodelId, tuple[WcetResult, Binary]] = {}
     handlers: dict[str, int] = {}
     complete = True
     for node, binary in derivable(deployment):
-        if not _readable(binary, report):
-            complete = False
-            continue
         wanted = [plan for plan in plans if _belongs(plan, binary, found)]
+        if (missing := _missing(binary)) is not None:
+            complete = False
+            report.add(unreadable(binary, missing))
+            problem = Problem(ProblemKind.BINARY, missing)
+            found |= {p.id: (WcetResult(p.symbol, None, None, None, problems=(problem,)), binary) for p in wanted}
+            continue
         named = [i for i in node.interrupts if i.wcet is None and i.symbol is not None and i.name not in handlers]
         symbols = [plan.symbol for plan in wanted] + [i.symbol for i in named if i.symbol is not None]
         results = _analyse(symbols, node, binary, cache, report)
@@ -56,7 +59,7 @@ def derive(deployment: Deployment, plans: tuple[CodelPlan, ...], use_cache: bool
     for node in deployment.nodes:
         handlers |= {i.name: i.wcet for i in node.interrupts if i.wcet is not None}
     _report_problems(deployment, plans, found, report)
-    kept = {id_: pair for id_, pair in found.items() if not _only_missing(pair[0])}
+    kept = {plan.id: found[plan.id] for plan in plans if plan.id in found and not _silent(plan, found, deployment)}
     return Derivation(kept, handlers, complete)
 
 
@@ -68,14 +71,12 @@ def _open_cache(use_cache: bool) -> Cache | None:
     return Cache()
 
 
-def _readable(binary: Binary, report: Report) -> bool:
-    """Whether the file is there; what is wrong inside it is for the analysis to say."""
+def _missing(binary: Binary) -> str | None:
+    """Why there is no file to read; what is wrong inside it is for the analysis to say."""
     path = Path(binary.path)
     if path.is_file():
-        return True
-    what = "is a directory" if path.is_dir() else "does not exist"
-    report.add(unreadable(binary, f"the binary `{binary.path}` {what}"))
-    return False
+        return None
+    return f"the binary `{binary.path}` {'is a directory' if path.is_dir() else 'does not exist'}"
 
 
 def _belongs(plan: CodelPlan, binary: Binary, found: Mapping[CodelId, tuple[WcetResult, Binary]]) -> bool:
@@ -89,6 +90,11 @@ def _belongs(plan: CodelPlan, binary: Binary, found: Mapping[CodelId, tuple[Wcet
 def _only_missing(result: WcetResult) -> bool:
     """Whether the binary just does not have the function."""
     return bool(result.problems) and all(p.kind is ProblemKind.SYMBOL for p in result.problems)
+
+
+def _silent(plan: CodelPlan, found: Mapping[CodelId, tuple[WcetResult, Binary]], deployment: Deployment) -> bool:
+    """Whether a codel just is in no binary, by the name of convention, and has its time from elsewhere."""
+    return plan.symbol_span is None and _only_missing(found[plan.id][0]) and has_fallback(plan, deployment)
 
 
 def _analyse(
@@ -124,7 +130,7 @@ def _report_problems(
             continue
         result, binary = found[plan.id]
         fallback = has_fallback(plan, deployment)
-        if _only_missing(result) and fallback and plan.symbol_span is None:
+        if _silent(plan, found, deployment):
             continue
         for problem in result.problems:
             report.add(problem_diagnostic(problem, plan, binary, boards[binary.path], deployment, fallback))

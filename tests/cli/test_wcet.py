@@ -136,7 +136,7 @@ board slow {
 }
 board cached {
   cpu "arm7tdmi" at 30MHz
-  icache size 4KiB
+  icache 4KiB
   memory all at 0x0 size 4GiB wait 0cycles
 }
 """
