@@ -73,8 +73,6 @@ RULES: dict[str, Rule] = {
         Rule("MV306", "shadowed-transition", WARNING),
         Rule("MV307", "bad-step", ERROR),
         Rule("MV308", "passive-behaviour", ERROR),
-        Rule("MV309", "call-cycle", ERROR),
-        Rule("MV310", "unserved-operation", ERROR),
         Rule("MV311", "unsupported-behaviour", ERROR),
         # 4 deployment
         Rule("MV401", "activation", ERROR),

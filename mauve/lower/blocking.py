@@ -13,11 +13,12 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True, slots=True)
 class Section:
-    """A stay of `holder` in the critical section of `resource`, doing `operation`: `length` picoseconds at most."""
+    """A stay of `holder` in the critical section of `resource`: `length` picoseconds at most. `what` it does there, in
+    words."""
 
     resource: str
     holder: str
-    operation: str
+    what: str
     length: int
 
 

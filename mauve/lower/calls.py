@@ -101,10 +101,9 @@ def _places(state: State) -> Iterator[tuple[str, tuple[Step, ...]]]:
 
 def _touched(step: Step, instance: Instance) -> tuple[tuple[str, ...], tuple[str, ...]]:
     """The data of an instance that a step reads and writes."""
-    result = (step.result,) if step.result else ()
     match step:
         case RunCodel(codel=name):
             codel = instance.component.codel(name)
-            return codel.reads, (*codel.writes, *result)
-        case CallMethod(arguments=arguments):
-            return arguments, result
+            return codel.reads, codel.writes
+        case CallMethod(arguments=arguments, result=result):
+            return arguments, (result,) if result else ()

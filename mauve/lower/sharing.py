@@ -98,4 +98,5 @@ def data_sections(placed: PlacedTask, shared: Shared, times: Mapping[CodelId, in
     for datum, accesses in shared.items():
         for access in accesses:
             if access.task == placed.task.name and access.codel in times:
-                yield Section(str(datum), access.task, access.codel.codel, times[access.codel])
+                what = f"`{access.codel}`, which uses `{datum}`"
+                yield Section(str(datum), access.task, what, times[access.codel])

@@ -162,7 +162,8 @@ def _operations(placed: PlacedTask, connected: Services, times: Mapping[CodelId,
     """The operations that a task runs, each in the critical section of its provider."""
     for instance, use in task_uses(placed, connected):
         if use.provider and use.codel in times:
-            yield Section(use.provider, instance.name, use.codel.codel, times[use.codel])
+            what = f"`{use.codel}` of `{use.provider}`"
+            yield Section(use.provider, instance.name, what, times[use.codel])
 
 
 def _exchanges(draft: NodeTasks, connections: Sequence[DataConnection]) -> dict[str, list[Section]]:
@@ -178,6 +179,7 @@ def _exchanges(draft: NodeTasks, connections: Sequence[DataConnection]) -> dict[
     for connection in connections:
         for end in (connection.source, connection.target):
             for task, cost in holders.get(end.instance, ()):
-                section = Section(f"port {connection.source}", end.instance, "port exchange", cost)
+                what = f"the exchange of `{connection.source}`"
+                section = Section(f"port {connection.source}", end.instance, what, cost)
                 found.setdefault(task, []).append(section)
     return found

@@ -48,7 +48,8 @@ def resolve_architecture(declaration: ast.ArchitectureDecl, context: Context, re
     data, services = resolve_connections(declaration, instances, frozenset(failed), external, report)
     endpoints = tuple(endpoint for endpoint, _ in external)
     check_separations(data, endpoints, instances, report)
-    return Architecture(declaration.name.text, with_defaults, data, services, endpoints, declaration.name.span)
+    name = declaration.name
+    return Architecture(name.text, with_defaults, data, services, endpoints, not failed, name.span)
 
 
 def _check_component_names(instances: tuple[Instance, ...], report: Report) -> None:

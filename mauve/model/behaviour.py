@@ -266,13 +266,12 @@ def _steps(steps: tuple[ast.Step, ...], members: Members, hooks: Hooks | None, r
             result += hooks[name.text]
         elif step.arguments is None and name.text in members.codels:
             codel = members.codels[name.text]
-            _check_binding(step, codel.returns, members, report)
             if codel.init:
                 message = f"the init codel `{name}` cannot be a step: it runs at start-up only"
                 report.add(
                     Diagnostic("MV307", message, Label(step.span), labels=(Label(codel.span, "declared `init` here"),))
                 )
-            result.append(RunCodel(name.text, step.span, _bound(step)))
+            result.append(RunCodel(name.text, step.span))
         elif step.arguments is None and name.text in members.methods:
             parameters = ", ".join(parameter for parameter, _ in members.methods[name.text].parameters)
             message = f"`{name}` is a method, not a codel"
@@ -280,7 +279,8 @@ def _steps(steps: tuple[ast.Step, ...], members: Members, hooks: Hooks | None, r
         elif step.arguments is not None and name.text in members.methods:
             _check_call(step, members.methods[name.text], members, report)
             arguments = tuple(argument.text for argument in step.arguments)
-            result.append(CallMethod(name.text, step.span, arguments, _bound(step)))
+            bound = step.result.text if step.result else ""
+            result.append(CallMethod(name.text, step.span, arguments, bound))
         elif step.arguments is not None and name.text in members.codels:
             message = f"`{name}` is a codel, its arguments follow from what it reads and writes"
             report.add(Diagnostic("MV307", message, Label(step.span), help=Fix(f"write `{name}`")))
@@ -294,14 +294,11 @@ def _steps(steps: tuple[ast.Step, ...], members: Members, hooks: Hooks | None, r
     return tuple(result)
 
 
-def _bound(step: ast.Step) -> str:
-    return step.result.text if step.result else ""
-
-
 def _check_call(step: ast.Step, method: Method, members: Members, report: Report) -> None:
     arguments = step.arguments or ()
     if len(arguments) != len(method.parameters):
-        message = f"`{method.name}` takes {len(method.parameters)} arguments, not {len(arguments)}"
+        count = len(method.parameters)
+        message = f"`{method.name}` takes {count or 'no'} argument{'' if count == 1 else 's'}, not {len(arguments)}"
         report.add(Diagnostic("MV307", message, Label(step.span), labels=(Label(method.span, "declared here"),)))
     for argument, (parameter, type_) in zip(arguments, method.parameters, strict=False):
         found = members.type_of(argument.text)

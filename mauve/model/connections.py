@@ -76,9 +76,10 @@ def resolve_connections(
     touched: set[Endpoint] = set()
     for item in declaration.connections:
         source = _end(item.source, instances, failed, report, True)
+        touched |= _touched(item.source, source, instances)
         for path in item.targets:
             target = _end(path, instances, failed, report, False)
-            touched |= _touched(item.source, path)
+            touched |= _touched(path, target, instances)
             if source is None or target is None or not _directions_fit(item, source, target, report):
                 continue
             if isinstance(source.item, Port) and isinstance(target.item, Port):
@@ -94,9 +95,12 @@ def resolve_connections(
     return tuple(data.values()), tuple(services.values())
 
 
-def _touched(source: ast.Path, target: ast.Path) -> set[Endpoint]:
-    """What a written connection mentions, right or wrong: no second message says that it is not connected."""
-    return {Endpoint(path.parts[0].text, path.parts[-1].text) for path in (source, target)}
+def _touched(path: ast.Path, end: _End | None, instances: Mapping[str, Instance]) -> set[Endpoint]:
+    """What the end of a written connection may mean, right or wrong: it is not reported as unconnected too."""
+    if end is not None:
+        return {end.endpoint}
+    instance = instances.get(path.parts[0].text)
+    return {Endpoint(instance.name, name) for name in _items(instance.component)} if instance else set()
 
 
 def _end(
@@ -186,17 +190,17 @@ def _data(item: ast.ConnectDecl, source: _End, target: _End, report: Report) -> 
 
 
 def _size(policy: ast.Policy, target: _End, report: Report) -> int:
-    """The elements of a buffer; 1 after a diagnostic."""
+    """The elements of a buffer; the most possible after a diagnostic, so that no overflow follows from it."""
     if policy.size is None:
         message = f"the queue of `{target.span.text}` has no bound"
         help_ = Fix("write how many elements it holds: `buffered size 16`")
         report.add(Diagnostic("MV213", message, Label(policy.span, "no size"), help=help_))
-        return 1
+        return LARGEST_BUFFER
     size = policy.size
     if not size.is_integer or not 1 <= size.integer <= LARGEST_BUFFER:
         message = f"a buffer cannot hold {size.text} elements"
         report.add(Diagnostic("MV209", message, Label(size.span, f"a whole number from 1 to {LARGEST_BUFFER}")))
-        return 1
+        return LARGEST_BUFFER
     return size.integer
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from mauve.diagnostics.diagnostic import Diagnostic, Fix, Label, Report
+from mauve.diagnostics.diagnostic import Diagnostic, Fix, Label, Report, Severity
 from mauve.model.model import (
     Architecture,
     Assumption,
@@ -57,6 +57,7 @@ def resolve_deployment(declaration: ast.DeploymentDecl, platform: Platform, repo
         span = root.architecture.span
         report.add(unknown("MV110", message, platform.scope.where(), span, known, "an architecture"))
         return None
+    errors = _errors(report)
     nodes = tuple(
         node
         for item in _merged_nodes(chain, report)
@@ -69,9 +70,13 @@ def resolve_deployment(declaration: ast.DeploymentDecl, platform: Platform, repo
         declaration.name.text, declaration.abstract, architecture, nodes,
         declaration.expect_unschedulable, declaration.name.span,
     )  # fmt: skip
-    if not declaration.abstract:
+    if not declaration.abstract and _errors(report) == errors:
         check_placement(result, report)
     return result
+
+
+def _errors(report: Report) -> int:
+    return sum(diagnostic.severity is Severity.ERROR for diagnostic in report)
 
 
 def _has_nodes(chain: tuple[ast.DeploymentDecl, ...]) -> bool:
@@ -173,7 +178,9 @@ def _merge_process(node: MergedNode, name: str, process: ast.ProcessDecl, own: d
 
 def _node(item: MergedNode, architecture: Architecture, platform: Platform, report: Report) -> Node | None:
     board = _board(item.declaration, platform, report)
-    components = {instance.component.name: instance.component for instance in architecture.instances}
+    components = _Components(
+        {instance.component.name: instance.component for instance in architecture.instances}, architecture.complete
+    )
     binaries = tuple(_binary(b, components, platform.directory, report) for b in item.binaries)
     assumptions = tuple(a for decl in item.assumes for a in _assumptions(decl, components, report))
     resolved = (_interrupt(decl, bool(binaries), report) for decl in item.interrupts.values())
@@ -236,13 +243,23 @@ def _ceilings(locks: list[ast.LockDecl], report: Report) -> bool:
     return bool(locks)
 
 
-def _codel(path: ast.Path, components: Mapping[str, Component], report: Report) -> CodelId | None:
+@dataclass(frozen=True, slots=True)
+class _Components:
+    """The components of an architecture by name; `complete` is False where an instance in error is missing."""
+
+    known: Mapping[str, Component]
+    complete: bool
+
+
+def _codel(path: ast.Path, components: _Components, report: Report) -> CodelId | None:
     if len(path.parts) != 2:
         report.add(Diagnostic("MV107", f"`{path}` is no codel", Label(path.span, "write `Component.codel`")))
         return None
-    component = components.get(path.parts[0].text)
+    component = components.known.get(path.parts[0].text)
+    if component is None and not components.complete:
+        return None  # it may be that of an instance in error, which was reported
     if component is None:
-        known = {name: c.span for name, c in components.items()}
+        known = {name: c.span for name, c in components.known.items()}
         message = f"the architecture has no component `{path.parts[0]}`"
         label = "its components are " + ", ".join(f"`{n}`" for n in known) if known else "it has no instances"
         report.add(unknown("MV101", message, label, path.parts[0].span, known, "a component"))
@@ -257,7 +274,7 @@ def _codel(path: ast.Path, components: Mapping[str, Component], report: Report) 
     return CodelId(component.name, name.text)
 
 
-def _binary(item: ast.BinaryDecl, components: Mapping[str, Component], directory: str, report: Report) -> Binary:
+def _binary(item: ast.BinaryDecl, components: _Components, directory: str, report: Report) -> Binary:
     symbols: list[tuple[CodelId, str, Span]] = []
     for binding in item.symbols:
         codel = _codel(binding.codel, components, report)
@@ -302,7 +319,7 @@ def _loop(item: ast.LoopFactDecl, report: Report) -> LoopFact | None:
     return LoopFact(None, None, text, offset, maximum, total, item.span)
 
 
-def _assumptions(item: ast.AssumeDecl, components: Mapping[str, Component], report: Report) -> list[Assumption]:
+def _assumptions(item: ast.AssumeDecl, components: _Components, report: Report) -> list[Assumption]:
     wcet = time_of(item.wcet, report)
     if wcet is not None and wcet < 0:
         report.add(Diagnostic("MV401", "an execution time cannot be negative", Label(item.wcet.span)))

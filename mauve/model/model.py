@@ -85,11 +85,10 @@ class Method:
 
 @dataclass(frozen=True, slots=True)
 class RunCodel:
-    """A step that executes a codel of the component; `result` is the variable that takes what it returns."""
+    """A step that executes a codel of the component."""
 
     codel: str
     span: Span
-    result: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -247,13 +246,14 @@ class ServiceConnection:
 
 @dataclass(frozen=True, slots=True)
 class Architecture:
-    """Instances and their connections."""
+    """Instances and their connections. `complete` is False where an instance in error was left out."""
 
     name: str
     instances: tuple[Instance, ...]
     data: tuple[DataConnection, ...]
     services: tuple[ServiceConnection, ...]
     external: tuple[Endpoint, ...]
+    complete: bool
     span: Span
 
     def instance(self, name: str) -> Instance:

@@ -83,17 +83,17 @@ def reachable(starts: Sequence[str], successors: Graph) -> tuple[str, ...]:
 
 
 def components(names: Sequence[str], successors: Graph, predecessors: Graph) -> list[tuple[str, ...]]:
-    """The strongly connected components (Kosaraju), each after none that leads to it."""
-    assigned: set[str] = set()
+    """The strongly connected components of the states `names` (Kosaraju)."""
+    pending = set(names)
     found = []
     for name in reversed(_finished(names, predecessors)):
-        if name in assigned:
+        if name not in pending:
             continue
         component = [name]
-        assigned.add(name)
+        pending.remove(name)
         for member in component:
-            fresh = [target for target in dict.fromkeys(successors[member]) if target not in assigned]
-            assigned.update(fresh)
+            fresh = [target for target in dict.fromkeys(successors.get(member, ())) if target in pending]
+            pending.difference_update(fresh)
             component += fresh
         found.append(tuple(component))
     return found

@@ -5,10 +5,12 @@ missing.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 
 from mauve.diagnostics.diagnostic import Applicability, Diagnostic, Fix, Label, Severity
 from mauve.lower.codels import CodelPlan
 from mauve.model.model import Binary, Board, Deployment
+from mauve.model.names import unknown
 from mauve.wcet.result import Problem, ProblemKind, WcetResult
 
 CODES = {
@@ -31,6 +33,9 @@ CODES = {
     ProblemKind.FACT_CONTRADICTED: "MV515",
 }
 
+BINARY_WIDE = frozenset({"MV502", "MV503", "MV510", "MV513"})
+"""Codes of problems that do not depend on the codel."""
+
 NOTES = {
     ProblemKind.FACT_NOWHERE: ("MV514", Severity.ERROR),
     ProblemKind.FACT_CONTRADICTED: ("MV515", Severity.ERROR),
@@ -44,8 +49,12 @@ def problem_diagnostic(
     problem: Problem, plan: CodelPlan, binary: Binary, board: Board, deployment: Deployment, fallback: bool
 ) -> Diagnostic:
     """One reason why a codel has no bound. A warning where an assumed or declared time stands in (`fallback`)."""
+    if problem.kind in (ProblemKind.BINARY, ProblemKind.NOT_ARM):
+        return unreadable(binary, problem.message, CODES[problem.kind])
     severity = Severity.WARNING if fallback else Severity.ERROR
     code = CODES[problem.kind]
+    if problem.kind is ProblemKind.HARDWARE and problem.address is None:
+        return _hardware(problem, board, severity)
     notes = ("the assumed or declared time is used instead",) if fallback else ()
     if problem.kind in (ProblemKind.SYMBOL, ProblemKind.NOT_A_FUNCTION):
         return _symbol(problem, code, plan, binary, severity, notes)
@@ -57,8 +66,6 @@ def problem_diagnostic(
         at = f'"{problem.source}"' if problem.source else f"{problem.address or 0:#x}"
         text = f"add `loop {at} max N` to the binary of deployment `{deployment.name}`"
         help_ = Fix(text, (), Applicability.PLACEHOLDERS)
-    elif problem.kind is ProblemKind.HARDWARE and problem.address is None:
-        primary = Label(board.span, "this board")
     labels = (Label(binary.span, "the binary"),)
     return Diagnostic(code, message, primary, severity, labels, place(problem), notes, help_)
 
@@ -83,9 +90,12 @@ def _symbol(
     name = binary.span.text.strip('"')
     what = "function" if code == "MV501" else "code at"
     message = f"`{name}` has no {what} `{plan.symbol}`"
-    if problem.suggestions:
-        near = " and ".join(f"`{other}`" for other in problem.suggestions[:3])
-        notes = (f"it has {near}", *notes)
+    if problem.kind is ProblemKind.SYMBOL:
+        from mauve.wcet.batch import near_names
+
+        near = near_names(binary.path, plan.symbol)[:3]
+        if near:
+            notes = ("it has " + " and ".join(f"`{other}`" for other in near), *notes)
     if plan.symbol_span is not None:
         primary = Label(plan.symbol_span)
         help_ = Fix("name a function of the binary")
@@ -96,10 +106,24 @@ def _symbol(
     return Diagnostic(code, message, primary, severity, labels, "", notes, help_)
 
 
-def unreadable(binary: Binary, message: str) -> Diagnostic:
-    """MV502: there is no binary to analyse."""
-    help_ = Fix("build it, or correct its path: it is relative to the model's file")
-    return Diagnostic("MV502", message, Label(binary.span), help=help_)
+def unreadable(binary: Binary, message: str, code: str = "MV502") -> Diagnostic:
+    """There is no binary to analyse, whatever the codel."""
+    help_ = Fix("build it for the board's processor, or correct its path: it is relative to the model's file")
+    return Diagnostic(code, message, Label(binary.span), help=help_)
+
+
+def _hardware(problem: Problem, board: Board, severity: Severity) -> Diagnostic:
+    """What the board has and the analysis does not model, whatever the codel."""
+    from mauve.wcet.hardware.core import core_names, load_core
+
+    if load_core(board.core) is not None:
+        feature = next((f for f in board.features if f.name in problem.message), None)
+        primary = Label(feature.span) if feature else Label(board.span, "this board")
+        return Diagnostic("MV510", problem.message, primary, severity, place=place(problem))
+    found = unknown("MV513", problem.message, "not modelled", board.core_span, core_names(), "a core")
+    if found.help is None:
+        found = replace(found, notes=("the cores are " + ", ".join(f"`{name}`" for name in core_names()),))
+    return replace(found, severity=severity)
 
 
 def note_diagnostics(results: Sequence[WcetResult], binary: Binary) -> Iterator[Diagnostic]:

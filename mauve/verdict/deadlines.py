@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from fractions import Fraction
+
 from mauve.diagnostics.diagnostic import Diagnostic, Fix, Label, Report, Severity
 from mauve.lower.placed import NodeTasks, PlacedTask
 from mauve.model.model import Deployment
@@ -97,10 +99,11 @@ def bill_text(bill: Bill, placed: PlacedTask) -> str:
     rows = [_row(line) for line in bill.others]
     if bill.blocking:
         blocker = placed.blocker
-        who = f"of `{blocker.holder}` in `{blocker.resource}.{blocker.operation}`" if blocker else ""
-        rows.append((format_time(bill.blocking), "blocking", f"one critical section {who}".rstrip(), ""))
+        who = f"`{blocker.holder}` once in {blocker.what}" if blocker else ""
+        rows.append((format_time(bill.blocking), "blocking", who, ""))
     rows.append((format_time(bill.own.cost), "of its own", _own(bill.own), ""))
-    widths = [max(len(row[column]) for row in rows) for column in range(3)]
+    widths = [max(len(row[column]) for row in rows) for column in range(2)]
+    widths.append(max((len(row[2]) for row in rows if row[3]), default=0))
     lines = [f"{row[0]:>{widths[0]}}  {row[1]:<{widths[1]}}  {row[2]:<{widths[2]}}  {row[3]}".rstrip() for row in rows]
     return "\n".join([head, *lines])
 
@@ -132,13 +135,13 @@ def _own(line: BillLine) -> str:
 
 
 def _shrink_help(shrinks: tuple[Shrink, ...]) -> Fix | None:
-    """The least demanding change of one contributor that makes the deadline hold."""
-    possible = [s for s in shrinks if s.at_most is not None and s.what in (What.WORK, What.CODEL)]
+    """The change of one contributor, the least in proportion, that makes the deadline hold."""
+    possible = [s for s in shrinks if s.at_most and s.what in (What.WORK, What.CODEL)]
     if not possible:
         return (
             Fix("no single component or codel can make it fit: lengthen the deadline or a period") if shrinks else None
         )
-    best = sorted(possible, key=lambda s: (s.now - (s.at_most or 0), s.what is not What.CODEL))
+    best = sorted(possible, key=lambda s: (Fraction(s.now - (s.at_most or 0), s.now or 1), s.what is not What.CODEL))
     codel = next((s for s in best if s.what is What.CODEL), None)
     work = next((s for s in best if s.what is What.WORK), None)
     words = [

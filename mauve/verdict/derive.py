@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -11,7 +11,7 @@ from mauve.diagnostics.diagnostic import Diagnostic, Label, Report
 from mauve.lower.codels import CodelPlan, derivable, has_fallback
 from mauve.lower.platform import flow_facts, wcet_board
 from mauve.model.model import Binary, CodelId, Deployment, Interrupt, Node
-from mauve.verdict.binaries import note_diagnostics, problem_diagnostic, unreadable
+from mauve.verdict.binaries import BINARY_WIDE, note_diagnostics, problem_diagnostic, unreadable
 from mauve.verdict.facts import read_facts
 from mauve.verdict.stale import check_stale
 from mauve.wcet.result import Problem, ProblemKind, WcetResult
@@ -122,15 +122,31 @@ def _report_problems(
     found: Mapping[CodelId, tuple[WcetResult, Binary]],
     report: Report,
 ) -> None:
-    """A diagnostic for each problem of each codel; a function that is missing matters only where nothing else
+    """A diagnostic for each problem, once for all codels that meet it; a function that is missing matters only where nothing else
     gives a time, or where its symbol was written."""
     boards = {binary.path: node.board for node, binary in derivable(deployment)}
+    causes: dict[tuple[str, Problem], list[CodelPlan]] = {}
     for plan in plans:
-        if plan.id not in found:
-            continue
+        if plan.id in found and not _silent(plan, found, deployment):
+            result, binary = found[plan.id]
+            for problem in result.problems:
+                causes.setdefault((binary.path, _cause(problem)), []).append(plan)
+    for (path, cause), affected in causes.items():
+        plan = affected[0]
         result, binary = found[plan.id]
-        fallback = has_fallback(plan, deployment)
-        if _silent(plan, found, deployment):
-            continue
-        for problem in result.problems:
-            report.add(problem_diagnostic(problem, plan, binary, boards[binary.path], deployment, fallback))
+        problem = next(p for p in result.problems if _cause(p) == cause)
+        fallback = all(has_fallback(one, deployment) for one in affected)
+        diagnostic = problem_diagnostic(problem, plan, binary, boards[path], deployment, fallback)
+        report.add(_with_others(diagnostic, affected[1:]))
+
+
+def _cause(problem: Problem) -> Problem:
+    """The problem without the way on which one codel comes to it."""
+    return replace(problem, call_path=()) if problem.address is not None else problem
+
+
+def _with_others(diagnostic: Diagnostic, others: list[CodelPlan]) -> Diagnostic:
+    if not others or diagnostic.code in BINARY_WIDE:
+        return diagnostic
+    named = ", ".join(f"`{plan.id}`" for plan in others)
+    return replace(diagnostic, notes=(*diagnostic.notes, f"the same keeps {named} from having a WCET"))
