@@ -11,7 +11,7 @@ from mauve.wcet.flow import domain, flags, joining, linear
 from mauve.wcet.flow.domain import MASK, SIGN, TOP, Range
 from mauve.wcet.flow.execute import Record
 from mauve.wcet.flow.linear import FRAME, Value, entry_symbol
-from mauve.wcet.flow.state import ABSOLUTE, State
+from mauve.wcet.flow.state import ABSOLUTE, IN_STACK, MASK_OF_ALL, OF_FRAME, State
 
 ARGUMENTS = (0, 1, 2, 3)
 RESULTS = (0, 1, 2, 3)
@@ -27,17 +27,18 @@ Place = tuple[int | None, int, int]
 class Summary:
     """The effect of a function: `results` are the values of r0-r3 on return, as ranges; `writes` the places it may
     write, in regions of its entry registers, fixed addresses, or None (anywhere but in frames it does not know);
-    `leaks`: an argument may live on in memory; `changed` the callee-saved registers that it changes without having
-    saved them."""
+    `leaks`: the arguments (State.mask) that may live on in memory, `masks` those that each result may be computed
+    of; `changed` the callee-saved registers that it changes without having saved them."""
 
     returns: bool
     results: tuple[Range, Range, Range, Range]
     writes: frozenset[Place]
-    leaks: bool
+    leaks: int
     changed: frozenset[int]
+    masks: tuple[int, int, int, int] = (MASK_OF_ALL, MASK_OF_ALL, MASK_OF_ALL, MASK_OF_ALL)
 
 
-UNKNOWN = Summary(True, (TOP, TOP, TOP, TOP), frozenset({(None, 0, MASK)}), True, frozenset())
+UNKNOWN = Summary(True, (TOP, TOP, TOP, TOP), frozenset({(None, 0, MASK)}), MASK_OF_ALL, frozenset())
 """A function of which only AAPCS is known."""
 
 
@@ -53,7 +54,9 @@ def summarise(record: Record) -> Summary:
         for r in PRESERVED
         if state.regs[r] != linear.of_symbol(entry_symbol(r)) and entry_symbol(r) not in record.saved
     )
-    return Summary(True, (first, second, third, fourth), writes, record.leaks or state.leaked, changed)
+    first_mask, second_mask, third_mask, fourth_mask = (state.mask(state.regs[r]) for r in RESULTS)
+    masks = (first_mask, second_mask, third_mask, fourth_mask)
+    return Summary(True, (first, second, third, fourth), writes, record.leaks, changed, masks)
 
 
 def _result(state: State, register: int) -> Range:
@@ -74,22 +77,33 @@ def call(state: State, summary: Summary, record: Record | None) -> State | None:
     exposed = _exposed(state)
     for region, low, high in writes:
         _write(state, region, low, high, exposed)
+    arguments = [state.mask(state.regs[r]) for r in ARGUMENTS]
+    leaking = _of_arguments(summary.leaks, arguments, state)
     if record is not None:
         record.writes.update(_outside(place) for place in writes)
-        record.leaks |= summary.leaks and any(linear.symbols(state.regs[r]) for r in ARGUMENTS)
+        record.leaks |= leaking
     if not summary.returns:
         return None
-    if summary.leaks and exposed:
+    if leaking & OF_FRAME:
         state.leaked = True
     _leave_frame(state)
     state.flags, state.origin = flags.ANY, None
     for register in CLOBBERED:
         state.regs[register] = state.fresh()
-    for register, known in zip(RESULTS, summary.results, strict=True):
-        state.regs[register] = state.fresh(known)
+    for register, known, mask in zip(RESULTS, summary.results, summary.masks, strict=True):
+        state.regs[register] = state.tainted(state.fresh(known), _of_arguments(mask, arguments, state))
     for register in summary.changed:
         state.regs[register] = state.fresh()
     return state
+
+
+def _of_arguments(mask: int, arguments: list[int], state: State) -> int:
+    """The callee's mask in terms of the caller's addresses."""
+    result = state.held if mask & IN_STACK else 0
+    for register, own in zip(ARGUMENTS, arguments, strict=True):
+        if mask >> register & 1:
+            result |= own
+    return result
 
 
 def _outside(place: Place) -> Place:
@@ -118,9 +132,7 @@ def _translate(state: State, place: Place) -> list[Place]:
 
 def _exposed(state: State) -> bool:
     """Whether a callee can know an address of the caller's frame: as an argument, or left in the frame as data."""
-    if state.leaked or any(linear.factor_of(state.regs[r], FRAME) for r in ARGUMENTS):
-        return True
-    return any(linear.factor_of(value, FRAME) for _, value in state.memory.get(FRAME, {}).values())
+    return state.leaked or bool(state.held & OF_FRAME) or any(state.mask(state.regs[r]) & OF_FRAME for r in ARGUMENTS)
 
 
 def _write(state: State, region: int | None, low: int, high: int, exposed: bool) -> None:

@@ -35,7 +35,7 @@ from mauve.wcet.flow.domain import Range
 from mauve.wcet.flow.joining import Header
 from mauve.wcet.flow.linear import FRAME, Value
 from mauve.wcet.flow.order import FUNCTION, Order
-from mauve.wcet.flow.state import State
+from mauve.wcet.flow.state import MASK_OF_ALL, State
 from mauve.wcet.flow.transfer import Image, run
 
 States = list[State]
@@ -50,9 +50,9 @@ MOST_SPLITS = 8
 class Record:
     """What a sound pass over the whole function saw. `visits` and `totals` count executions of loop headers (per
     entry, per execution of the function); `accesses` and `writes` are places (region, first byte, last byte), region
-    None anywhere; `saved` the callee-saved registers put on the stack; `leaks`: an argument may have been stored
-    outside the frame; `calls` the state before each call that asked for it by (edge, callee); `targets` the values
-    of indirect branches by instruction address."""
+    None anywhere; `saved` the callee-saved registers put on the stack; `leaks`: of which addresses
+    (State.mask) something may have been stored outside the frame; `calls` the state before each call that asked for
+    it by (edge, callee); `targets` the values of indirect branches by instruction address."""
 
     visits: dict[int, int | None] = field(default_factory=dict)
     methods: dict[int, str] = field(default_factory=dict)
@@ -61,7 +61,7 @@ class Record:
     accesses: dict[tuple[int, int], tuple[int | None, int, int]] = field(default_factory=dict)
     writes: set[tuple[int | None, int, int]] = field(default_factory=set)
     saved: set[int] = field(default_factory=set)
-    leaks: bool = False
+    leaks: int = 0
     calls: dict[tuple[int, int], State] = field(default_factory=dict)
     targets: dict[int, Range] = field(default_factory=dict)
     headers: dict[int, Header] = field(default_factory=dict)
@@ -291,7 +291,8 @@ class Execution:
         """A header of which nothing is known, except that sp stands where it stood if one pass confirms it."""
         state = State(entry.symbols)
         state.regs = [state.fresh() for _ in range(16)] + [0] * 16
-        state.leaked = True
+        state.leaked, state.held = True, MASK_OF_ALL
+        state.taints = {linear.symbols(value)[0]: MASK_OF_ALL for value in state.regs[:16]}
         stack = state.regs[SP] = entry.regs[SP]
         state.ranges = {s: known for s, known in entry.ranges.items() if s in linear.symbols(stack)}
         back, _ = self._try(loop, state)
@@ -375,11 +376,10 @@ class Execution:
         value = state.regs[op.value]
         if type(value) is int:
             return
-        held = [symbol for symbol in linear.symbols(value) if linear.is_entry_symbol(symbol)]
-        if held and place[0] == FRAME and value == (0, held[0], 1):
-            self.record.saved.add(held[0])
-        elif held and place[0] != FRAME:
-            self.record.leaks = True
+        if place[0] != FRAME:
+            self.record.leaks |= state.mask(value)
+        elif len(value) == 3 and value[0] == 0 and linear.is_entry_symbol(value[1]):  # type: ignore[arg-type, index]
+            self.record.saved.add(value[1])  # type: ignore[index]
 
     def _note_depth(self, state: State) -> None:
         assert self.record is not None

@@ -13,8 +13,8 @@ from dataclasses import dataclass, field
 
 from mauve.wcet.flow import domain, flags, linear
 from mauve.wcet.flow.domain import TOP, Range
-from mauve.wcet.flow.linear import MOST_TERMS, Value
-from mauve.wcet.flow.state import State
+from mauve.wcet.flow.linear import FRAME, MOST_TERMS, Value
+from mauve.wcet.flow.state import NARROW, State
 
 Place = tuple[int, int]
 """(-1, register) or (region, offset)."""
@@ -35,6 +35,10 @@ def join(a: State, b: State) -> State:
             joined = known if known is second else domain.join(known, second)
             if not joined.is_top:
                 new.ranges[symbol] = joined
+    new.held = a.held | b.held
+    new.taints = dict(a.taints)
+    for symbol, mask in b.taints.items():
+        new.taints[symbol] = new.taints.get(symbol, 0) | mask
     pairs = _Pairs(a, b, new)
     new.regs = [x if x == y else pairs.value(x, y) for x, y in zip(a.regs[:16], b.regs[:16], strict=True)] + [0] * 16
     new.memory = {}
@@ -87,13 +91,23 @@ class _Pairs:
                 self.indicator = self.new.symbols.fresh()
                 self.new.ranges[self.indicator] = domain.BIT
             return linear.add(x, linear.scale((0, self.indicator, 1), domain.signed(step)))
-        offset = x if type(x) is int else x[0]  # type: ignore[index]
+        offset = _common(x, y)
         key = (linear.sub(x, offset), linear.sub(y, offset))
         found = self.known.get(key)
         if found is None:
             found = self.new.fresh(domain.join(self.a.range_of(key[0]), self.b.range_of(key[1])))
+            found = self.new.tainted(found, self.a.mask(key[0]) | self.b.mask(key[1]))
             self.known[key] = found
         return linear.add(found, offset)
+
+
+def _common(x: Value, y: Value) -> Value:
+    """What is taken out of two values before their rest becomes one symbol: the first one's constant, and the
+    frame's address."""
+    offset: Value = x if type(x) is int else x[0]  # type: ignore[index]
+    if linear.factor_of(x, FRAME) == 1 and linear.factor_of(y, FRAME) == 1:
+        offset = linear.add(offset, (0, FRAME, 1))
+    return offset
 
 
 def join_all(states: Sequence[State]) -> State:
@@ -124,12 +138,13 @@ class Header:
             return
         self.state.ranges[self.kappa] = domain.between(0, most - 1) if most > 1 else domain.constant(0)
 
-    def _give_up(self, place: Place, entry_value: Value, known: Range) -> None:
+    def _give_up(self, place: Place, base: Value, entry_value: Value, known: Range, mask: int) -> None:
         symbol = self.state.symbols.fresh()
         if not known.is_top:
             self.state.ranges[symbol] = known
         self.free[symbol] = (entry_value, None)
-        _put(self.state, place, (0, symbol, 1))
+        self.state.tainted((0, symbol, 1), mask)
+        _put(self.state, place, linear.add(base, (0, symbol, 1)))
 
 
 def _places(state: State) -> Iterator[tuple[Place, Value]]:
@@ -163,7 +178,7 @@ def generalise(entry: State, back: State, thresholds: Sequence[int]) -> Header:
     """The template of a header from the state on entry and the state after one iteration."""
     state = entry.copy()
     state.flags, state.origin = flags.ANY, None
-    state.leaked = entry.leaked or back.leaked
+    state.leaked, state.held = entry.leaked or back.leaked, entry.held | back.held
     kappa = state.symbols.fresh()
     header = Header(entry, state, kappa)
     for symbol, known in entry.ranges.items():
@@ -185,7 +200,7 @@ def generalise(entry: State, back: State, thresholds: Sequence[int]) -> Header:
         if type(step) is int and (type(value) is int or len(value) <= 2 * MOST_TERMS - 1):  # type: ignore[arg-type]
             _put(state, place, linear.add(value, linear.scale((0, kappa, 1), domain.signed(step))))
             continue
-        offset = value if type(value) is int else value[0]  # type: ignore[index]
+        offset = _common(value, later)
         key = (linear.sub(value, offset), linear.sub(later, offset))
         symbol = shared.get(key, 0)
         if not symbol:
@@ -194,7 +209,8 @@ def generalise(entry: State, back: State, thresholds: Sequence[int]) -> Header:
             if not known.is_top:
                 state.ranges[symbol] = known
             header.free[symbol] = (key[0], None)
-        _put(state, place, (offset, symbol, 1))
+            state.tainted((0, symbol, 1), entry.mask(key[0]) | back.mask(key[1]))
+        _put(state, place, linear.add(offset, (0, symbol, 1)))
     return header
 
 
@@ -208,8 +224,8 @@ def fit(header: Header, back: State, thresholds: Sequence[int]) -> bool:
     header.steps = {}
     next_kappa: Value = (1, header.kappa, 1)
     later_of: dict[int, Value] = {}
-    if back.leaked and not state.leaked:
-        state.leaked, fits = True, False
+    if (back.leaked and not state.leaked) or back.held & ~state.held:
+        state.leaked, state.held, fits = back.leaked or state.leaked, back.held | state.held, False
     for place, value in _places(state):
         if type(value) is int and _get(back, place, _size(state, place)) == value:
             continue
@@ -230,8 +246,11 @@ def fit(header: Header, back: State, thresholds: Sequence[int]) -> bool:
         fits = False
         at_entry = _get(header.entry, place, _size(state, place))
         assert at_entry is not None
-        known = domain.join(header.entry.range_of(at_entry), back.range_of(later))
-        header._give_up(place, at_entry, domain.join(known, state.range_of(value)))
+        base = _common(at_entry, later)
+        at_entry, rest = linear.sub(at_entry, base), linear.sub(later, base)
+        known = domain.join(header.entry.range_of(at_entry), back.range_of(rest))
+        known = domain.join(known, state.range_of(linear.sub(value, base)))
+        header._give_up(place, base, at_entry, known, header.entry.mask(at_entry) | back.mask(rest))
     return _fit_ranges(header, back, later_of, thresholds) and fits
 
 
@@ -243,6 +262,9 @@ def _fit_ranges(header: Header, back: State, later_of: dict[int, Value], thresho
         if later is not None:
             header.steps[symbol] = back.range_of(linear.sub(later, back.pinned((0, symbol, 1))))
         known = state.ranges.get(symbol, TOP)
+        if later is not None and back.mask(later) & ~state.taints.get(symbol, 0) and known.span >= NARROW:
+            fits = False
+            state.tainted((0, symbol, 1), back.mask(later))
         if later is None or known.is_top:
             continue
         reached = back.range_of(later)

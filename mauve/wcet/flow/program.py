@@ -26,7 +26,7 @@ from mauve.wcet.flow.facts import Fact
 from mauve.wcet.flow.function import FunctionResult, Limits, analyse_function
 from mauve.wcet.flow.given import Given
 from mauve.wcet.flow.order import Order, arrange
-from mauve.wcet.flow.result import AddressRange, ContextKey, FunctionFlow, ProgramFlow
+from mauve.wcet.flow.result import AddressRange, ContextKey, FunctionFlow, LoopBound, ProgramFlow
 from mauve.wcet.flow.state import ABSOLUTE, Cells, State, Symbols
 from mauve.wcet.flow.values import LoopValues
 from mauve.wcet.hardware.board import Board
@@ -189,7 +189,7 @@ class _Program:
             found = bound_by_ranking(cfg, nest, loop, LoopValues(record, loop.id, self.image))
             return None if found is None else (found.bound, found.method)
 
-        stated = self.given.bounds(cfg, nest)
+        stated = _smallest(self.given.bounds(cfg, nest), _library(cfg, nest))
         limits = self.limits if thorough else replace(self.limits, steps=0)
         result = analyse_function(self.orders[key], state, self.image, calls, stated, ranking, limits)
         derived = {loop: bound.bound for loop, bound in result.bounds.items() if bound.origin is not Origin.ANNOTATION}
@@ -315,6 +315,24 @@ class _Program:
 _POINTERS = (UnresolvedKind.BRANCH, UnresolvedKind.CALL)
 MOST_INITIAL = 1 << 16
 """Bytes of a zero-filled segment that are followed as initial data."""
+
+
+def _library(cfg: Cfg, nest: LoopNest) -> dict[int, LoopBound]:
+    """Bounds of the loops of known helpers."""
+    from mauve.wcet.flow.library import library_bound
+
+    found = {loop.id: library_bound(cfg, loop) for loop in nest.loops}
+    return {
+        loop: LoopBound(known.bound, Origin.LIBRARY, known.method) for loop, known in found.items() if known is not None
+    }
+
+
+def _smallest(first: dict[int, LoopBound], second: dict[int, LoopBound]) -> dict[int, LoopBound]:
+    result = dict(first)
+    for loop, bound in second.items():
+        if loop not in result or bound.bound < result[loop].bound:
+            result[loop] = bound
+    return result
 
 
 def _fixed(region: int | None, high: int) -> bool:

@@ -18,7 +18,7 @@ from itertools import count
 from mauve.wcet.binary.microop import Condition, FlagKind
 from mauve.wcet.flow import domain, flags, linear
 from mauve.wcet.flow.domain import MASK, MODULUS, SIGN, TOP, Range
-from mauve.wcet.flow.linear import FRAME, MOST_TERMS, Value, entry_symbol
+from mauve.wcet.flow.linear import FIRST_FRESH, FRAME, MOST_TERMS, Value, entry_symbol
 
 ABSOLUTE = 0
 """The region of fixed addresses."""
@@ -26,6 +26,10 @@ NARROW = 1 << 20
 """An offset that varies by less than this is one that we follow; a wider one is as good as unknown."""
 MOST_READ = 32
 """What was read from a region outside the frame is remembered for at most this many cells."""
+IN_STACK, OF_FRAME = 1 << 4, 1 << 5
+MASK_OF_ALL = (1 << 6) - 1
+_ENTRY_MASK = dict.fromkeys(range(FIRST_FRESH), 0) | {entry_symbol(r): 1 << r for r in range(4)} | {FRAME:
+OF_FRAME}
 
 Cells = dict[int, tuple[int, Value]]
 Origin = tuple[FlagKind, Value, Value]
@@ -46,7 +50,7 @@ class State:
     """See the module's description. `flags` is a set of possible NZCV (see flags.py), `origin` the compare they come
     from."""
 
-    __slots__ = ("flags", "leaked", "memory", "origin", "pins", "ranges", "regs", "shared", "symbols")
+    __slots__ = ("flags", "held", "leaked", "memory", "origin", "pins", "ranges", "regs", "shared", "symbols", "taints")
 
     def __init__(self, symbols: Symbols) -> None:
         self.symbols = symbols
@@ -57,6 +61,8 @@ class State:
         self.shared: set[int] = set()
         self.ranges: dict[int, Range] = {}
         self.pins: dict[int, Value] = {}
+        self.taints: dict[int, int] = {}
+        self.held = 0
         self.leaked = False
 
     def copy(self) -> State:
@@ -71,6 +77,8 @@ class State:
         new.shared = set(self.memory)
         new.ranges = self.ranges.copy()
         new.pins = self.pins
+        new.taints = self.taints.copy()
+        new.held = self.held
         new.leaked = self.leaked
         return new
 
@@ -84,11 +92,29 @@ class State:
             self.ranges[symbol] = known
         return (0, symbol, 1)
 
+    def mask(self, value: Value) -> int:
+        """Of which addresses the value may be computed: bit r for argument register r, IN_STACK for arguments on the
+        stack, OF_FRAME for the frame."""
+        if type(value) is int:
+            return 0
+        result = 0
+        for symbol in linear.symbols(value):
+            result |= _ENTRY_MASK[symbol] if symbol < FIRST_FRESH else self.taints.get(symbol, 0)
+        return result
+
+    def tainted(self, value: Value, mask: int) -> Value:
+        """A fresh symbol, remembering what it was computed of; a number that varies little is no address."""
+        if mask and type(value) is not int:
+            symbol = linear.symbols(value)[0]
+            if symbol not in self.ranges or self.ranges[symbol].span >= NARROW:
+                self.taints[symbol] = self.taints.get(symbol, 0) | mask
+        return value
+
     def limited(self, value: Value) -> Value:
         """The value itself, or a fresh symbol in its range where the expression has grown too long."""
         if type(value) is int or len(value) <= 2 * MOST_TERMS + 1:  # type: ignore[arg-type]
             return value
-        return self.fresh(self.range_of(value))
+        return self.tainted(self.fresh(self.range_of(value)), self.mask(value))
 
     def range_of(self, value: Value) -> Range:
         """All numbers the value may be."""
@@ -316,9 +342,9 @@ class State:
                 return address[1], (offset - MODULUS if offset & SIGN else offset), (
                     offset - MODULUS if offset & SIGN else offset
                 )
-        root = None
-        for i in range(1, len(address), 2):
-            if address[i + 1] == 1 and (address[i] == FRAME or self.ranges.get(address[i], TOP).span >= NARROW):
+        root = FRAME if linear.factor_of(address, FRAME) == 1 else None
+        for i in range(1, len(address) if root is None else 0, 2):
+            if address[i + 1] == 1 and self.ranges.get(address[i], TOP).span >= NARROW:
                 root = address[i]
                 break
         rest = address if root is None else linear.sub(address, (0, root, 1))
@@ -362,9 +388,15 @@ class State:
     def store(self, address: Value, value: Value | None, size: int) -> None:
         """Write `size` bytes; `value` None: of unknown content."""
         region, low, high = self.place(address)
-        if value is not None and type(value) is not int and region != FRAME and linear.factor_of(value, FRAME):
-            self.leaked = True
+        if value is not None and type(value) is not int:
+            mask = self.mask(value)
+            if region == FRAME:
+                self.held |= mask
+            elif mask & OF_FRAME:
+                self.leaked = True
         self.forget_aliases(region)
+        if region != FRAME and self.mask(address) & OF_FRAME:
+            self.forget_frame()
         if region is None:
             return
         if low != high:
@@ -388,7 +420,7 @@ class State:
         known = self.range_of(value)
         if known.low <= known.low + known.span <= limit:
             return value
-        return self.fresh(domain.bit_and(known, domain.constant(limit)))
+        return self.tainted(self.fresh(domain.bit_and(known, domain.constant(limit))), self.mask(value))
 
     def forget_aliases(self, region: int | None) -> None:
         """A store to `region` may be one to any other region, except the frame's (unless its address leaked)."""
@@ -421,17 +453,22 @@ class State:
             if value is None and region == ABSOLUTE:
                 value = image(low, size)
             if value is None and (region != ABSOLUTE or image(low & ~3, 0) is not None):
-                value = self.fresh(_BY_SIZE[size])
+                value = self._unknown(region, high, size)
                 if region == FRAME or len(self.memory.get(region, ())) < MOST_READ:
                     self.forget_bytes(region, low, low + size - 1)
                     self.cells(region)[low] = (size, value)
         elif region == ABSOLUTE and not self._overlaps(low, high + size - 1):
             value = self._load_table(address, size, image)
         if value is None:
-            value = self.fresh(_BY_SIZE[size])
+            value = self._unknown(region, high, size)
         if is_signed and size < 4:
             return self._extended(value, 8 * size)
         return value
+
+    def _unknown(self, region: int | None, high: int, size: int) -> Value:
+        """A number read from memory: from the frame it may be an address that was stored there, or an argument."""
+        mask = (self.held | (IN_STACK if high + size > 0 else 0)) if region == FRAME else 0
+        return self.tainted(self.fresh(_BY_SIZE[size]), mask)
 
     def _overlaps(self, low: int, high: int) -> bool:
         return any(low - 4 < offset <= high for offset in self.memory.get(ABSOLUTE, ()))
@@ -503,6 +540,7 @@ class State:
             del self.memory[region]
         self.ranges = {symbol: known for symbol, known in self.ranges.items() if symbol in live}
         self.pins = {}
+        self.taints = {symbol: mask for symbol, mask in self.taints.items() if symbol in live}
 
 
 _BY_SIZE = {1: domain.BYTE, 2: domain.HALF, 4: TOP}

@@ -100,18 +100,19 @@ def compute(state: State, op: Op, a: Value, b: Value) -> Value:
         other = linear.sub(MASK, b) if op is Op.SBC else b
         return state.limited(linear.add(linear.add(a, other), extra))
     if op is Op.UNKNOWN:
-        return state.fresh()
+        return state.tainted(state.fresh(), state.mask(a) | state.mask(b))
     if op is Op.RRX:
         carry = flags.carry_of(state.flags)
         if carry is None or type(a) is not int:
-            return state.fresh()
+            return state.tainted(state.fresh(), state.mask(a))
         return carry << 31 | a >> 1
     if type(a) is int and (type(b) is int or op in _ONE_OPERAND):
         return domain.concrete(op, a, b if type(b) is int else 0)
     linear_result = _linear(state, op, a, b)
     if linear_result is not None:
         return linear_result
-    return state.fresh(domain.apply(op, state.range_of(a), state.range_of(b)))
+    result = state.fresh(domain.apply(op, state.range_of(a), state.range_of(b)))
+    return state.tainted(result, state.mask(a) | state.mask(b))
 
 
 _ONE_OPERAND = frozenset({Op.NOT, Op.CLZ, Op.RBIT, Op.REV, Op.REV16, Op.REVSH, Op.SXTB, Op.SXTH, Op.UXTB, Op.UXTH})
@@ -168,6 +169,9 @@ def _masked(state: State, op: Op, a: Value, mask: int) -> Value | None:
             return a
         known = domain.bit_and(state.range_of(a), domain.constant(mask))
         return linear.add(a, mask) if known.n == 0 and known.low == 0 else None
+    low = mask ^ MASK
+    if low & (low + 1) == 0 and linear.factor_of(a, FRAME) == 1:
+        return linear.sub(a, state.fresh(domain.between(0, low)))  # an address of the frame, aligned
     if mask & (mask + 1) == 0 and domain.includes(domain.between(0, mask), _hull(state.range_of(a))):
         return a
     return None

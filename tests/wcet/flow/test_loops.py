@@ -1,0 +1,253 @@
+"""Loops written in micro-operations: exact bounds of counted loops, and random programs that never run more than their bounds."""
+
+from __future__ import annotations
+
+import pytest
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+from wcet.flow.assembler import Code, run
+
+from mauve.wcet.binary.loops import loop_nest
+from mauve.wcet.binary.microop import Compute, Condition, FlagKind, Imm, Load, Op, SetFlags, Store
+from mauve.wcet.flow import effects
+from mauve.wcet.flow.function import FunctionResult, Limits, analyse_function
+from mauve.wcet.flow.order import arrange
+from mauve.wcet.flow.state import State, Symbols
+from mauve.wcet.flow.transfer import NoImage
+
+NOTHING_CALLED = effects.ProgramCalls({}, frozenset())
+
+
+def analyse(code: Code, limits: Limits | None = None) -> FunctionResult:
+    cfg = code.cfg()
+    order = arrange(cfg, loop_nest(cfg))
+    return analyse_function(order, State(Symbols()), NoImage(), NOTHING_CALLED, {}, None, limits or Limits(steps=3000))
+
+
+def counted(start: int, limit: int, step: int, condition: Condition, tests_first: bool) -> Code:
+    """for (r1 = start; r1 condition limit; r1 += step)"""
+    code = Code()
+    code.move(1, Imm(start & 0xFFFFFFFF))
+    if tests_first:
+        code.branch("test")
+    code.label("body")
+    code.compute(Op.ADD, 0, 0, 1)
+    code.compute(Op.ADD, 1, 1, Imm(step & 0xFFFFFFFF))
+    if tests_first:
+        code.label("test")
+    code.compare(1, Imm(limit & 0xFFFFFFFF))
+    code.branch("body", condition)
+    return code
+
+
+@pytest.mark.parametrize(
+    ("start", "limit", "step", "condition", "bodies"),
+    [
+        (0, 100, 1, Condition.LT, 100),
+        (0, 100, 1, Condition.CC, 100),
+        (0, 100, 1, Condition.NE, 100),
+        (0, 100, 7, Condition.LT, 15),
+        (0, 99, 3, Condition.LS, 34),
+        (63, 0, -1, Condition.GE, 64),
+        (63, -1, -1, Condition.GT, 64),
+        (200, 100, -25, Condition.HI, 4),
+        (-8, 8, 1, Condition.LT, 16),
+        (-8, 8, 2, Condition.NE, 8),
+        (0xFFFFFFF0, 0, 4, Condition.NE, 4),
+        (0, 1000000, 1, Condition.LT, 1000000),
+        (5, 5, 1, Condition.EQ, 1),
+    ],
+)
+def test_counted_loops_are_exact(start, limit, step, condition, bodies):
+    result = analyse(counted(start, limit, step, condition, tests_first=True))
+    assert result.bounds[0].bound == bodies + 1
+    if bodies > 1:
+        result = analyse(counted(start, limit, step, condition, tests_first=False))
+        assert result.bounds[0].bound == bodies
+
+
+@pytest.mark.parametrize(
+    ("start", "limit", "step", "condition"),
+    [
+        (0, 100, 0, Condition.LT),
+        (0, 101, 2, Condition.NE),
+        (0, 0xFFFFFFFF, 1, Condition.LS),
+        (0, 0x7FFFFFFF, 1, Condition.LE),
+        (100, 0, -1, Condition.CS),
+    ],
+)
+def test_loops_that_never_end_have_no_bound(start, limit, step, condition):
+    assert 0 in analyse(counted(start, limit, step, condition, tests_first=True)).unbounded
+
+
+def test_a_bound_that_only_reflects_a_type_is_none():
+    code = Code()
+    code.move(1, Imm(0))
+    code.label("body")
+    code.compute(Op.ADD, 1, 1, Imm(1))
+    code.compare(1, 2)
+    code.branch("body", Condition.LT)
+    assert 0 in analyse(code).unbounded
+
+
+def test_a_counter_in_a_stack_slot_beside_an_array_that_is_filled():
+    code = Code()
+    code.store(Imm(0), -8)
+    code.branch("test")
+    code.label("body")
+    code.load(3, -8)
+    code.do(
+        Compute(Op.SHL, 17, 3, Imm(2)),
+        Compute(Op.ADD, 17, 13, 17),
+        Compute(Op.SUB, 17, 17, Imm(136)),
+        Store(17, 3),
+    )
+    code.compute(Op.ADD, 3, 3, Imm(1))
+    code.store(3, -8)
+    code.label("test")
+    code.load(3, -8)
+    code.compare(3, Imm(31))
+    code.branch("body", Condition.LE)
+    result = analyse(code)
+    assert (result.bounds[0].bound, result.bounds[0].method) == (33, "affine")
+
+
+def test_a_store_over_the_counter_takes_the_bound_away():
+    code = Code()
+    code.store(Imm(0), -8)
+    code.branch("test")
+    code.label("body")
+    code.do(Compute(Op.SUB, 17, 13, Imm(8)), Compute(Op.ADD, 17, 17, 1), Store(17, Imm(0)))
+    code.load(3, -8)
+    code.compute(Op.ADD, 3, 3, Imm(1))
+    code.store(3, -8)
+    code.label("test")
+    code.load(3, -8)
+    code.compare(3, Imm(31))
+    code.branch("body", Condition.LE)
+    assert 0 in analyse(code).unbounded
+
+
+def test_the_two_sides_of_a_clamp_are_kept_apart():
+    """n = min(n, 28); if (n == 0) return; do ... while (--n): only path-sensitive analysis knows that n is not 0."""
+    code = Code()
+    code.compare(1, Imm(28))
+    code.move(3, 1, Condition.CC)
+    code.move(3, Imm(28), Condition.CS)
+    code.compare(1, Imm(0))
+    code.branch("end", Condition.EQ)
+    code.label("body")
+    code.do(SetFlags(FlagKind.SUB, 3, Imm(1)), Compute(Op.SUB, 3, 3, Imm(1)))
+    code.branch("body", Condition.NE)
+    code.label("end")
+    assert analyse(code).bounds[0].bound == 28
+
+
+# ------------------------------------------------------------------------------------------------------ random programs
+CONDITIONS = [c for c in Condition if c not in (Condition.AL, Condition.VS, Condition.VC)]
+small = st.integers(-3, 12).map(lambda n: Imm(n & 0xFFFFFFFF))
+data = st.one_of(st.integers(0, 5), small)
+
+
+class Builder:
+    """Draws a structured program: assignments, ifs, loops with counters and with breaks."""
+
+    def __init__(self, draw) -> None:
+        self.draw, self.code, self.labels = draw, Code(), 0
+
+    def name(self) -> str:
+        self.labels += 1
+        return f"l{self.labels}"
+
+    def block(self, depth: int, inside: str | None) -> None:
+        for _ in range(self.draw(st.integers(1, 3))):
+            self.statement(depth, inside)
+
+    def statement(self, depth: int, inside: str | None) -> None:
+        kind = self.draw(st.integers(0, 9))
+        if kind <= 2:
+            op = self.draw(st.sampled_from([Op.ADD, Op.SUB, Op.AND, Op.LSR, Op.SHL, Op.MUL, Op.OR, Op.XOR, Op.ASR]))
+            self.code.compute(op, self.draw(st.integers(0, 5)), self.draw(st.integers(0, 5)), self.draw(data))
+        elif kind == 3:
+            self.code.store(self.draw(data), -4 * self.draw(st.integers(1, 4)))
+        elif kind == 4:
+            self.code.load(self.draw(st.integers(0, 5)), -4 * self.draw(st.integers(1, 4)))
+        elif kind == 5:
+            self.code.compare(self.draw(st.integers(0, 5)), self.draw(data))
+            self.code.move(self.draw(st.integers(0, 5)), self.draw(data), self.draw(st.sampled_from(CONDITIONS)))
+        elif kind == 6:
+            self.code.do(Load(self.draw(st.integers(0, 5)), self.draw(st.integers(0, 5)), self.draw(st.sampled_from([1, 2, 4]))))
+        elif kind == 7:
+            self.branch(depth, inside)
+        elif depth < 3:
+            self.loop(depth)
+
+    def branch(self, depth: int, inside: str | None) -> None:
+        end = self.name()
+        self.code.compare(self.draw(st.integers(0, 5)), self.draw(data))
+        if inside is not None and self.draw(st.booleans()):
+            self.code.branch(inside, self.draw(st.sampled_from(CONDITIONS)))
+            return
+        self.code.branch(end, self.draw(st.sampled_from(CONDITIONS)))
+        self.block(depth, inside)
+        self.code.label(end)
+
+    def loop(self, depth: int) -> None:
+        body, test, end = self.name(), self.name(), self.name()
+        counter, step = self.draw(st.integers(0, 5)), self.draw(st.sampled_from([1, 1, 2, 3, -1, -2]))
+        slot = self.draw(st.sampled_from([None, -4, -8, -20]))
+        if self.draw(st.booleans()):
+            self.code.move(counter, self.draw(small))
+        if slot is not None:
+            self.code.store(counter, slot)
+        if self.draw(st.booleans()):
+            self.code.branch(test)
+        self.code.label(body)
+        self.block(depth + 1, end)
+        if slot is not None:
+            self.code.load(counter, slot)
+        self.code.compute(Op.ADD, counter, counter, Imm(step & 0xFFFFFFFF))
+        if slot is not None:
+            self.code.store(counter, slot)
+        self.code.label(test)
+        self.code.compare(counter, self.draw(data))
+        self.code.branch(body, self.draw(st.sampled_from(CONDITIONS)))
+        self.code.label(end)
+
+
+@st.composite
+def programs(draw):
+    builder = Builder(draw)
+    builder.block(0, None)
+    builder.loop(0)
+    return builder.code
+
+
+def compare(code: Code, registers: list[int], seed: int, limits: Limits) -> None:
+    cfg = code.cfg()
+    nest = loop_nest(cfg)
+    assume(not nest.irreducible)
+    counts = run(cfg, nest, registers, lambda address: (address * seed + seed // 7) & 0xFF)
+    result = analyse(code, limits)
+    for loop, seen in counts.per_entry.items():
+        bound = result.bounds.get(loop)
+        assert bound is not None or loop in result.unbounded, "a loop that runs was called unreachable"
+        assert bound is None or seen <= bound.bound, (loop, seen, bound)
+        assert bound is None or bound.total is None or counts.total[loop] <= bound.total, (loop, counts.total[loop], bound)
+    assert not counts.edges & result.infeasible
+
+
+numbers = st.one_of(st.integers(-5, 30).map(lambda n: n & 0xFFFFFFFF), st.integers(0, 0xFFFFFFFF))
+
+
+@settings(max_examples=60, deadline=None)
+@given(programs(), st.lists(numbers, min_size=6, max_size=6), st.integers(0, 1000))
+def test_random_programs_never_run_more_than_their_bounds(code, registers, seed):
+    compare(code, registers, seed, Limits(steps=600))
+
+
+@pytest.mark.slow
+@settings(max_examples=1500, deadline=None)
+@given(programs(), st.lists(numbers, min_size=6, max_size=6), st.integers(0, 1000))
+def test_many_random_programs_never_run_more_than_their_bounds(code, registers, seed):
+    compare(code, registers, seed, Limits(steps=600))
