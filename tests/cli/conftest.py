@@ -66,6 +66,10 @@ deployment bench of Robot {
 
 MISSED = MODEL.replace("codel step wcet 1ms", "codel step wcet 12ms")
 UNTIMED = MODEL.replace("codel open wcet 40us", "codel open")
+WITH_BINARY = MODEL.replace("codel step wcet 1ms", "codel step").replace(
+    "  node base on desk {\n",
+    f'  node base on desk {{\n    binary "{ELF}" {{\n      Control.step = "sum"\n    }}\n',
+)
 
 
 @dataclass(frozen=True)

@@ -13,7 +13,6 @@ import sys
 from pathlib import Path
 
 import pytest
-
 from wcet.fixtures.bad_images import bad_images
 
 from .conftest import ELF, MODEL, Command, Run
@@ -92,7 +91,7 @@ def test_executables_without_a_model(name: str, mauvec: Command, tmp_path: Path)
     if run.code:
         assert re.search(r"^\S+: error: .+ \[MV5\d\d\]$", run.err, re.MULTILINE)
     if name not in USABLE:
-        assert run.code == 1 and "MV502" in run.err or "MV503" in run.err
+        assert re.search("MV50[23]", run.err)
     assert mauvec("wcet", elf, "--board", "generic-arm7tdmi", "--timeout", "1", "--emit", "cfg").code in (0, 1)
 
 

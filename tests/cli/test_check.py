@@ -10,7 +10,7 @@ import jsonschema
 import pytest
 from referencing import Registry, Resource
 
-from .conftest import ELF, MISSED, MODEL, UNTIMED, Command
+from .conftest import MISSED, MODEL, UNTIMED, WITH_BINARY, Command
 
 SCHEMAS = Path(__file__).resolve().parents[2] / "docs" / "schema"
 Write = Callable[..., str]
@@ -51,7 +51,8 @@ def test_default_values_do_not_bury_the_result_and_stay_available(mauvec: Comman
         "robot.mauve:29:12: note: `driver` has no priority; it gets 2, rate monotonic [MV420]",
         "robot.mauve:29:12: note: `driver` has no deadline; it gets its period, 5ms [MV420]",
     ]
-    assert [d["code"] for d in json.loads(mauvec("check", file, "--format", "json").out)["diagnostics"]] == ["MV420"] * 2
+    document = json.loads(mauvec("check", file, "--format", "json").out)
+    assert [diagnostic["code"] for diagnostic in document["diagnostics"]] == ["MV420"] * 2
 
 
 def test_a_missed_deadline_is_an_error_with_its_bill(mauvec: Command, model: Write) -> None:
@@ -125,11 +126,6 @@ def validator() -> jsonschema.Draft202012Validator:
     schema = documents["check-1.schema.json"]
     jsonschema.Draft202012Validator.check_schema(schema)
     return jsonschema.Draft202012Validator(schema, registry=registry)
-
-
-WITH_BINARY = MODEL.replace("codel step wcet 1ms", "codel step").replace(
-    "  node base on desk {\n", f'  node base on desk {{\n    binary "{ELF}" {{\n      Control.step = "sum"\n    }}\n'
-)
 
 
 @pytest.mark.parametrize(

@@ -17,7 +17,7 @@ import pytest
 import mauve
 from mauve.cli import main
 
-from .conftest import ELF, MISSED, MODEL, Command
+from .conftest import ELF, MISSED, MODEL, WITH_BINARY, Command
 
 ROOT = Path(__file__).resolve().parents[2]
 Write = Callable[..., str]
@@ -193,7 +193,7 @@ def test_an_encoding_that_cannot_show_a_name(tmp_path: Path, caches: Path) -> No
 
 
 # ---------------------------------------------------------------------------------------------------------- start-up
-HEAVY = ("capstone", "pulp", "elftools", "numpy", "scipy", "networkx", "unicorn", "lark", "concurrent", "multiprocessing")
+HEAVY = ("capstone", "pulp", "elftools", "numpy", "scipy", "networkx", "unicorn", "lark", "multiprocessing")
 
 
 def imported(arguments: list[str], folder: Path) -> set[str]:
@@ -214,9 +214,6 @@ def test_a_check_without_binaries_imports_nothing_heavy(model: Write, mauvec: Co
 
 
 def test_a_check_with_an_unchanged_binary_imports_nothing_heavy(model: Write, mauvec: Command) -> None:
-    text = MODEL.replace("codel step wcet 1ms", "codel step").replace(
-        "  node base on desk {\n", f'  node base on desk {{\n    binary "{ELF}" {{\n      Control.step = "sum"\n    }}\n'
-    )
-    file = model(text)
+    file = model(WITH_BINARY)
     assert mauvec("check", file).code == 0
     assert not imported(["check", file], Path.cwd()) & set(HEAVY)

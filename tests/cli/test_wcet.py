@@ -121,7 +121,8 @@ def test_a_program_that_cannot_be_written(mauvec: Command, tmp_path: Path) -> No
 def test_a_board_that_does_not_exist(mauvec: Command) -> None:
     run = mauvec("wcet", ELF, "sum", "--board", "generic-arm7tdm")
     assert run.code == 2
-    assert run.err == "mauvec: there is no board `generic-arm7tdm` in the standard library; there is `generic-arm7tdmi`\n"
+    assert run.err.startswith("mauvec: there is no board `generic-arm7tdm` in the standard library; ")
+    assert "`generic-arm7tdmi`" in run.err
 
 
 OWN_BOARD = """\
@@ -161,7 +162,7 @@ def test_a_board_of_a_model(mauvec: Command, tmp_path: Path) -> None:
 # ------------------------------------------------------------------------------------------------------------ batches
 def test_every_function_of_a_small_executable(mauvec: Command, tmp_path: Path) -> None:
     """No function named: every symbol once, whatever it is, and the same in several processes as in one."""
-    names = ("sum", "loop_up_unsigned", "loop_down_signed", "list_sum", "recursive_odd", "divide_signed", "loop_step_up")
+    names = ("sum", "loop_up_unsigned", "loop_down_signed", "list_sum", "recursive_odd", "loop_step_up")
     one = mauvec("wcet", ELF, *names, *BOARD, "--format", "csv", "--no-cache", "--jobs", "1")
     two = mauvec("wcet", ELF, *names, *BOARD, "--format", "csv", "--no-cache", "--jobs", "2")
     assert [row.rsplit(",", 1)[0] for row in one.out.splitlines()] == [
