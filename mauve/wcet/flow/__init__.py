@@ -1,0 +1,1 @@
+"""Value analysis, loop bounds, infeasible paths, flow facts: from control flow graphs to ProgramFlow."""

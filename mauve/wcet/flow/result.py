@@ -1,4 +1,5 @@
-"""What flow analysis says about a program: bounds of loops, infeasible edges, addresses of accesses, per function and context."""
+"""What flow analysis says about a program: bounds of loops, infeasible edges, addresses of accesses, per function
+and context."""
 
 from __future__ import annotations
 
@@ -15,7 +16,8 @@ ContextKey = tuple[int, str]
 
 @dataclass(frozen=True, slots=True)
 class LoopBound:
-    """Executions of the loop's header per entry (`bound`), and per execution of the function in this context (`total`)."""
+    """Executions of the loop's header per entry (`bound`), and per execution of the function in this context
+    (`total`)."""
 
     bound: int
     origin: Origin
@@ -35,11 +37,11 @@ class AddressRange:
 class FunctionFlow:
     """A function in one context.
 
-    `bounds` maps the index of a loop in `nest.loops` to its bound; a loop that is missing has none, and `problems` says why.
-    `infeasible` holds indices of edges never taken. `accesses` maps (instruction address, index of the micro-operation) to the
-    range of a load or store; one that is missing may touch any address. `calls` maps the index of an edge with callees to the
-    contexts of those callees, in the order of `Edge.callees`. `stack` is the greatest depth of the function's own frame in
-    bytes, callees not included; None when unknown.
+    `bounds` maps the index of a loop in `nest.loops` to its bound; a loop that is missing has none, and `problems`
+    says why. `infeasible` holds indices of edges never taken. `accesses` maps (instruction address, index of the
+    micro-operation) to the range of a load or store; one that is missing may touch any address. `calls` maps the
+    index of an edge with callees to the contexts of those callees, in the order of `Edge.callees`. `stack` is the
+    greatest depth of the function's own frame in bytes, callees not included; None when unknown.
     """
 
     cfg: Cfg
@@ -54,7 +56,8 @@ class FunctionFlow:
 
 @dataclass(frozen=True, slots=True)
 class ProgramFlow:
-    """Everything reachable from `entry`. `functions` lists callees before callers; a cycle of calls is a problem, never here."""
+    """Everything reachable from `entry`. `functions` lists callees before callers; a cycle of calls is a problem,
+    never here."""
 
     entry: ContextKey
     functions: Mapping[ContextKey, FunctionFlow]

@@ -105,9 +105,8 @@ def _reachable(cfg: Cfg) -> Cfg:
                 work.append(edge.target)
     number = {old: new for new, old in enumerate(sorted(seen))}
     blocks = tuple(Block(number[b.id], b.instructions) for b in cfg.blocks if b.id in seen)
-    edges = tuple(
-        Edge(number[e.source], e.target if e.target == EXIT else number[e.target], e.kind) for e in cfg.edges if e.source in seen
-    )
+    number[EXIT] = EXIT
+    edges = tuple(Edge(number[e.source], number[e.target], e.kind) for e in cfg.edges if e.source in seen)
     return Cfg(cfg.name, cfg.address, cfg.thumb, 0, blocks, edges)
 
 
@@ -147,7 +146,8 @@ def run(cfg: Cfg, nest: LoopNest, registers: list[int], read: Callable[[int], in
             target = at[last.flow.target]
         elif target is None:
             target = at[last.end]
-        wanted = EdgeKind.RETURN if target == EXIT else EdgeKind.TAKEN if isinstance(last.flow, Jump) and taken else EdgeKind.FALL
+        jumps = isinstance(last.flow, Jump) and taken
+        wanted = EdgeKind.RETURN if target == EXIT else EdgeKind.TAKEN if jumps else EdgeKind.FALL
         counts.edges.add(next(i for i, e in enumerate(cfg.edges) if e.source == block and e.kind is wanted))
         if target == EXIT:
             counts.finished = True

@@ -1,4 +1,4 @@
-"""Real images: no execution under the emulator exceeds a bound, takes an infeasible edge, or leaves the range of an access."""
+"""Real images: no execution under the emulator exceeds a bound or a total, or enters a block called infeasible."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from emulator import Emulator
 from wcet.fixtures.cases import CASES, FOLDER
 
 from mauve.wcet.binary.elf import Binary, load
+from mauve.wcet.binary.graph import EXIT
 from mauve.wcet.flow.program import Limits, analyse_program
 from mauve.wcet.flow.result import ProgramFlow
 
@@ -39,7 +40,7 @@ def analyse(image: str, function: str, limits: Limits = LIGHT) -> ProgramFlow:
 
 
 def check(flow: ProgramFlow, counts: dict[int, int]) -> list[str]:
-    """What an execution did that the analysis says cannot be: functions that run in one context once, and headers of all."""
+    """What an execution did that the analysis says cannot be."""
     wrong = []
     by_function: dict[int, list] = {}
     for (key, _), function in flow.functions.items():
@@ -49,20 +50,22 @@ def check(flow: ProgramFlow, counts: dict[int, int]) -> list[str]:
         for function in functions:
             headers = {function.cfg.blocks[loop.header].address for loop in function.nest.loops}
             entered_at_header = key & ~1 in headers
+            copied = len({block.address for block in function.cfg.blocks}) < len(function.cfg.blocks)
             for index, bound in function.bounds.items():
-                if len(functions) > 1 or entered_at_header:
+                if len(functions) > 1 or entered_at_header or copied:
                     continue
                 loop = function.nest.loops[index]
                 header = function.cfg.blocks[loop.header]
                 executed = counts.get(header.address, 0)
                 if bound.total is not None and executed > bound.total * calls:
-                    wrong.append(f"{function.cfg.name}: header {header.address:#x} ran {executed} > total {bound.total} x {calls}")
+                    allowed = bound.total * calls
+                    wrong.append(f"{function.cfg.name}: {header.address:#x} ran {executed} > {allowed} in all")
                 entries = sum(
                     counts.get(function.cfg.blocks[function.cfg.edges[e].source].instructions[-1].address, 0)
                     for e in loop.entry_edges
                 )
                 if executed > bound.bound * entries:
-                    wrong.append(f"{function.cfg.name}: header {header.address:#x} ran {executed} > {bound.bound} x {entries}")
+                    wrong.append(f"{function.cfg.name}: {header.address:#x} ran {executed} > {bound.bound} x {entries}")
         live = set()
         for function in functions:
             live |= _live(function)
@@ -77,7 +80,9 @@ def _live(function) -> set[int]:
     while work:
         block = work.pop()
         for index, edge in enumerate(function.cfg.edges):
-            if edge.source == block and index not in function.infeasible and edge.target >= 0 and edge.target not in seen:
+            if edge.source != block or index in function.infeasible:
+                continue
+            if edge.target != EXIT and edge.target not in seen:
                 seen.add(edge.target)
                 work.append(edge.target)
     return seen
@@ -100,7 +105,7 @@ def compare(image: str, keep) -> tuple[list[str], int]:
     return wrong, compared
 
 
-QUICK = ("sum", "loop_triangular", "loop_by_context", "loop_clamped_unsigned", "insertion_sort", "crc32_bitwise", "shift_log2")
+QUICK = ("sum", "loop_triangular", "loop_by_context", "loop_clamped_unsigned", "insertion_sort", "shift_log2")
 
 
 @pytest.mark.parametrize("image", IMAGES)
@@ -166,7 +171,8 @@ def test_a_triangular_nest_has_its_total():
 
 def test_a_callee_bounded_by_its_callers_only_has_a_context_for_each_call():
     flow = analyse("arm7tdmi-arm-O2", "loop_by_context")
-    found = {name[1]: function.bounds[0].bound for name, function in flow.functions.items() if function.cfg.name == "sum_range"}
+    callees = {name[1]: function for name, function in flow.functions.items() if function.cfg.name == "sum_range"}
+    found = {words: function.bounds[0].bound for words, function in callees.items()}
     assert found == {"r1=10": 10, "r1=30": 30}
 
 

@@ -1,4 +1,4 @@
-"""Loops written in micro-operations: exact bounds of counted loops, and random programs that never run more than their bounds."""
+"""Loops in micro-operations: exact bounds of counted loops, and random programs that never exceed their bounds."""
 
 from __future__ import annotations
 
@@ -176,7 +176,8 @@ class Builder:
             self.code.compare(self.draw(st.integers(0, 5)), self.draw(data))
             self.code.move(self.draw(st.integers(0, 5)), self.draw(data), self.draw(st.sampled_from(CONDITIONS)))
         elif kind == 6:
-            self.code.do(Load(self.draw(st.integers(0, 5)), self.draw(st.integers(0, 5)), self.draw(st.sampled_from([1, 2, 4]))))
+            size = self.draw(st.sampled_from([1, 2, 4]))
+            self.code.do(Load(self.draw(st.integers(0, 5)), self.draw(st.integers(0, 5)), size))
         elif kind == 7:
             self.branch(depth, inside)
         elif depth < 3:
@@ -233,7 +234,8 @@ def compare(code: Code, registers: list[int], seed: int, limits: Limits) -> None
         bound = result.bounds.get(loop)
         assert bound is not None or loop in result.unbounded, "a loop that runs was called unreachable"
         assert bound is None or seen <= bound.bound, (loop, seen, bound)
-        assert bound is None or bound.total is None or counts.total[loop] <= bound.total, (loop, counts.total[loop], bound)
+        total = None if bound is None else bound.total
+        assert total is None or counts.total[loop] <= total, (loop, counts.total[loop], bound)
     assert not counts.edges & result.infeasible
 
 

@@ -44,7 +44,8 @@ def operations(draw):
         op = draw(st.sampled_from([op for op in Op if op is not Op.UNKNOWN]))
         return (Compute(op, draw(registers), draw(operands), draw(operands)),)
     if kind == 5:
-        return (SetFlags(draw(st.sampled_from([k for k in FlagKind if k is not FlagKind.UNKNOWN])), draw(operands), draw(operands)),)
+        flag_kind = draw(st.sampled_from([k for k in FlagKind if k is not FlagKind.UNKNOWN]))
+        return (SetFlags(flag_kind, draw(operands), draw(operands)),)
     if kind == 6:
         return (SetCarry(draw(st.sampled_from(list(Shift))), draw(operands), draw(operands)),)
     address = (Compute(Op.ADD, 16, 13, Imm(draw(slots) + draw(st.integers(0, 3)) & MASK)),)
@@ -92,7 +93,7 @@ def concrete(numbers, n, z, c, v) -> machine.State:
 
 
 def holds(state: State, run: machine.State) -> bool:
-    """Whether some assignment of symbols explains the registers: necessary conditions on ranges and on differences."""
+    """Whether the state allows the registers: by their ranges and their differences, and the flags."""
     found = [state.range_of(state.regs[r]) for r in range(REGISTERS)]
     if any(run.registers[r] is not None and run.registers[r] not in found[r] for r in range(REGISTERS)):
         return False
