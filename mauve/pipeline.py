@@ -40,11 +40,14 @@ if TYPE_CHECKING:
 @dataclass(frozen=True, slots=True)
 class Options:
     """What a check was asked to do. `deployment` None means all that are not abstract; `cache` whether results of
-    earlier runs may be used and kept."""
+    earlier runs may be used and kept; `workers` how many processes may analyse binaries; `progress` is told how far
+    they are."""
 
     deployment: str | None = None
     method: Method = Method.TRACE
     cache: bool = True
+    workers: int = 1
+    progress: Progress | None = None
 
 
 def read_model(path: str, report: Report) -> tuple[tuple[Module, ...], Model | None]:
@@ -86,7 +89,7 @@ def check(path: str, options: Options, report: Report) -> CheckResult:
 def check_deployment(deployment: Deployment, options: Options, report: Report) -> DeploymentResult:
     """Codels -> WCETs -> PSMs -> tasks -> response times -> verdict, of one deployment."""
     plans = plan_codels(deployment)
-    derivation = derive(deployment, plans, options.cache, report)
+    derivation = derive(deployment, plans, options.cache, report, options.workers, options.progress)
     codels = choose_times(plans, deployment, derivation.codels, report)
     times = {codel.plan.id: codel.time for codel in codels if codel.time is not None}
     built = build_machines(deployment, times)

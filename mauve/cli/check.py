@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import sys
 from argparse import Namespace
 from collections.abc import Sequence
@@ -11,6 +12,7 @@ from mauve.cli.output import style, table_width, write_json, write_messages, wro
 from mauve.diagnostics.allow import filter_allowed
 from mauve.diagnostics.diagnostic import Diagnostic, Report
 from mauve.pipeline import Options, check, read_model
+from mauve.report.progress import progress
 from mauve.timing.response import Method
 from mauve.verdict.result import CheckResult
 
@@ -21,8 +23,10 @@ def run(arguments: Namespace) -> int:
     if arguments.emit in ("ast", "model"):
         result = CheckResult(arguments.file, *read_model(arguments.file, report), ())
     else:
-        options = Options(arguments.deployment, Method(arguments.method), not arguments.no_cache)
-        result = check(arguments.file, options, report)
+        method, workers = Method(arguments.method), os.cpu_count() or 1
+        with progress(sys.stderr, "codels") as told:
+            options = Options(arguments.deployment, method, not arguments.no_cache, workers, told)
+            result = check(arguments.file, options, report)
     unknown = _unknown_deployment(arguments.deployment, result)
     if unknown and not report.has_errors:
         return wrong_usage(unknown)

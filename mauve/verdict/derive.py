@@ -10,14 +10,15 @@ from typing import TYPE_CHECKING
 from mauve.diagnostics.diagnostic import Diagnostic, Label, Report
 from mauve.lower.codels import CodelPlan, derivable, has_fallback
 from mauve.lower.platform import flow_facts, wcet_board
-from mauve.model.model import Binary, CodelId, Deployment, Interrupt, Node
+from mauve.model.model import Binary, CodelId, Deployment, Interrupt
 from mauve.verdict.binaries import BINARY_WIDE, note_diagnostics, problem_diagnostic, unreadable
 from mauve.verdict.facts import read_facts
 from mauve.verdict.stale import check_stale
 from mauve.wcet.result import Problem, ProblemKind, WcetResult
 
 if TYPE_CHECKING:
-    from mauve.wcet.cache import Cache
+    from mauve.wcet.batch import Progress
+    from mauve.wcet.flow.facts import Fact
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,9 +31,19 @@ class Derivation:
     complete: bool
 
 
-def derive(deployment: Deployment, plans: tuple[CodelPlan, ...], use_cache: bool, report: Report) -> Derivation:
-    """Analyse every codel in the binaries of the deployment, and the interrupt handlers named by symbol."""
-    cache = _open_cache(use_cache and any(node.binaries for node in deployment.nodes))
+def derive(
+    deployment: Deployment,
+    plans: tuple[CodelPlan, ...],
+    use_cache: bool,
+    report: Report,
+    workers: int = 1,
+    progress: Progress | None = None,
+) -> Derivation:
+    """Analyse every codel in the binaries of the deployment, and the interrupt handlers named by symbol, in up to
+    `workers` processes."""
+    if any(node.binaries for node in deployment.nodes):
+        from mauve.wcet.batch import Settings, analyse_batch
+        from mauve.wcet.cache import Cache
     found: dict[CodelId, tuple[WcetResult, Binary]] = {}
     handlers: dict[str, int] = {}
     complete = True
@@ -46,8 +57,12 @@ def derive(deployment: Deployment, plans: tuple[CodelPlan, ...], use_cache: bool
             continue
         named = [i for i in node.interrupts if i.wcet is None and i.symbol is not None and i.name not in handlers]
         symbols = [plan.symbol for plan in wanted] + [i.symbol for i in named if i.symbol is not None]
-        results = _analyse(symbols, node, binary, cache, report)
-        check_stale(binary, cache, report)
+        facts = _facts(binary, report)
+        settings = Settings(wcet_board(node.board), facts, cache=use_cache)
+        results = analyse_batch(binary.path, symbols, settings, workers, progress)
+        for diagnostic in note_diagnostics(results, binary):
+            report.add(diagnostic)
+        check_stale(binary, Cache() if use_cache else None, report)
         for plan, result in zip(wanted, results, strict=False):
             found[plan.id] = (result, binary)
         for interrupt, result in zip(named, results[len(wanted) :], strict=True):
@@ -61,14 +76,6 @@ def derive(deployment: Deployment, plans: tuple[CodelPlan, ...], use_cache: bool
     _report_problems(deployment, plans, found, report)
     kept = {plan.id: found[plan.id] for plan in plans if plan.id in found and not _silent(plan, found, deployment)}
     return Derivation(kept, handlers, complete)
-
-
-def _open_cache(use_cache: bool) -> Cache | None:
-    if not use_cache:
-        return None
-    from mauve.wcet.cache import Cache
-
-    return Cache()
 
 
 def _missing(binary: Binary) -> str | None:
@@ -97,17 +104,10 @@ def _silent(plan: CodelPlan, found: Mapping[CodelId, tuple[WcetResult, Binary]],
     return plan.symbol_span is None and _only_missing(found[plan.id][0]) and has_fallback(plan, deployment)
 
 
-def _analyse(
-    symbols: list[str], node: Node, binary: Binary, cache: Cache | None, report: Report
-) -> tuple[WcetResult, ...]:
-    from mauve.wcet.analysis import analyse
-
+def _facts(binary: Binary, report: Report) -> tuple[Fact, ...]:
+    """The flow facts of a binary: those in the model and those of the files that it names."""
     written = (fact for path, span in binary.fact_files for fact in read_facts(path, span, report))
-    facts = (*flow_facts(binary), *written)
-    results = analyse(binary.path, symbols, wcet_board(node.board), facts, cache=cache)
-    for diagnostic in note_diagnostics(results, binary):
-        report.add(diagnostic)
-    return results
+    return (*flow_facts(binary), *written)
 
 
 def _report_handler(interrupt: Interrupt, result: WcetResult, binary: Binary, report: Report) -> None:
@@ -122,8 +122,8 @@ def _report_problems(
     found: Mapping[CodelId, tuple[WcetResult, Binary]],
     report: Report,
 ) -> None:
-    """A diagnostic for each problem, once for all codels that meet it; a function that is missing matters only where nothing else
-    gives a time, or where its symbol was written."""
+    """A diagnostic for each problem, once for all codels that meet it. A function that is missing matters only where
+    nothing else gives a time, or where its symbol was written."""
     boards = {binary.path: node.board for node, binary in derivable(deployment)}
     causes: dict[tuple[str, Problem], list[CodelPlan]] = {}
     for plan in plans:

@@ -43,10 +43,11 @@ WAIT_SECONDS = 5.0
 
 
 def cache_path() -> Path:
-    """The cache file: `MAUVEC_CACHE`, else `mauvec/wcet.sqlite` in the XDG cache directory."""
+    """The cache file wcet.sqlite in the directory `MAUVEC_CACHE` (empty: nothing is kept), else in `mauvec` in the XDG
+    cache directory."""
     given = os.environ.get("MAUVEC_CACHE")
-    if given:
-        return Path(given)
+    if given is not None:
+        return Path(given or os.devnull, "wcet.sqlite")  # below the null device no file is ever found or made
     home = os.environ.get("XDG_CACHE_HOME")
     return (Path(home) if home else Path.home() / ".cache") / "mauvec" / "wcet.sqlite"
 

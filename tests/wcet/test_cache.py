@@ -108,8 +108,8 @@ def test_processes_share_a_file(tmp_path: Path) -> None:
 
 
 def test_where_the_file_is(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("MAUVEC_CACHE", "/some/where.sqlite")
-    assert cache_path() == Path("/some/where.sqlite")
+    monkeypatch.setenv("MAUVEC_CACHE", "/some/where")
+    assert cache_path() == Path("/some/where/wcet.sqlite")
     monkeypatch.delenv("MAUVEC_CACHE")
     monkeypatch.setenv("XDG_CACHE_HOME", "/cache")
     assert cache_path() == Path("/cache/mauvec/wcet.sqlite")
