@@ -124,13 +124,13 @@ def _merge(order: Order, records: list[Record], given: Mapping[int, LoopBound]) 
     result = FunctionResult(records[-1])
     reached = set.intersection(*(set(record.visits) for record in records))
     for loop in sorted(reached):
-        candidates = [
+        # A pass that was given a bound reports it as its own: what is no smaller than the given one is the given one.
+        candidates = [given[loop]] if loop in given else []
+        candidates += [
             LoopBound(visits, Origin.ANALYSIS, record.methods.get(loop, ""))
             for record in records
             if (visits := record.visits[loop]) is not None
         ]
-        if loop in given:
-            candidates.append(given[loop])
         if candidates:
             best = min(candidates, key=lambda bound: bound.bound)
             totals = [total for record in records if (total := record.totals.get(loop)) is not None]

@@ -10,8 +10,10 @@ from wcet.fixtures.cases import CASES, FOLDER
 
 from mauve.wcet.binary.elf import Binary, load
 from mauve.wcet.binary.graph import EXIT
+from mauve.wcet.flow.facts import AtAddress, AtLine, Counting, LoopFact
 from mauve.wcet.flow.program import Limits, analyse_program
 from mauve.wcet.flow.result import ProgramFlow
+from mauve.wcet.result import Origin
 
 IMAGES = {
     "arm7tdmi-arm-O0": "arm7tdmi",
@@ -190,3 +192,39 @@ def test_what_depends_on_unknown_data_gets_a_located_problem_and_no_number(image
 def test_recursion_is_named():
     flow = analyse("arm7tdmi-arm-O0", "calls_recursion")
     assert [problem.message for problem in flow.problems] == ["recursion: recursive_factorial -> recursive_factorial"]
+
+
+def test_a_flow_fact_bounds_a_loop_and_is_named_as_its_origin():
+    symbol = binary("arm7tdmi-arm-O2").function("list_sum")
+    line = next(n for n, text in enumerate((FOLDER / "data.c").read_text().splitlines(), 1) if "while (node) {" in text)
+    fact = LoopFact(AtLine("data.c", line), 40, Counting.BODY, written="robot.mauve:7")
+    flow = analyse_program(binary("arm7tdmi-arm-O2"), symbol.key, facts=[fact], limits=LIGHT)
+    bound = flow.functions[flow.entry].bounds[0]
+    assert (bound.origin, bound.bound in (40, 41)) == (Origin.ANNOTATION, True)
+    assert not flow.functions[flow.entry].problems
+
+
+def test_a_flow_fact_that_is_looser_than_the_analysis_changes_nothing():
+    symbol = binary("arm7tdmi-arm-O0").function("sum")
+    address = next(
+        function.cfg.blocks[function.nest.loops[0].header].address
+        for function in analyse("arm7tdmi-arm-O0", "sum").functions.values()
+    )
+    fact = LoopFact(AtAddress(address), 5000, Counting.HEADER, written="robot.ff:3")
+    flow = analyse_program(binary("arm7tdmi-arm-O0"), symbol.key, facts=[fact], limits=LIGHT)
+    bound = flow.functions[flow.entry].bounds[0]
+    assert (bound.bound, bound.origin) == (101, Origin.ANALYSIS)
+
+
+def test_a_helper_of_the_library_is_bounded_by_table():
+    flow = analyse("arm7tdmi-arm-O2", "float_div")
+    helper = next(function for function in flow.functions.values() if function.cfg.name == "__aeabi_fdiv")
+    assert not helper.problems
+    assert {bound.origin for bound in helper.bounds.values()} <= {Origin.LIBRARY, Origin.ANALYSIS}
+
+
+def test_a_time_limit_gives_a_problem_and_no_number():
+    symbol = binary("arm7tdmi-arm-O2").function("matrix_multiply")
+    flow = analyse_program(binary("arm7tdmi-arm-O2"), symbol.key, timeout=0.0)
+    assert {problem.kind.name for function in flow.functions.values() for problem in function.problems} == {"LIMIT"}
+    assert not any(function.bounds for function in flow.functions.values())
