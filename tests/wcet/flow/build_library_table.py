@@ -17,8 +17,9 @@ import tempfile
 from dataclasses import dataclass
 from pathlib import Path
 
-from mauve.wcet.binary.cfg import build_cfg
+from mauve.wcet.binary import callgraph
 from mauve.wcet.binary.elf import Binary, load
+from mauve.wcet.binary.graph import Cfg
 from mauve.wcet.binary.loops import loop_nest
 from mauve.wcet.binary.split import split_irreducible
 from mauve.wcet.flow.library import FORMAT, fingerprint
@@ -47,6 +48,11 @@ PROOFS = {
         "each pass doubles it until bit 23 is set, at most 23 executions. For others the condition fails at the "
         "first execution."
     ),
+    "double-denormal": (
+        "Called when an exponent is 0 or 2047. Past the tests for zeros and for 2047 every operand with exponent 0 has a "
+        "fraction that is not 0 and below bit 52, and only such an operand is normalised; each pass doubles its 64 bits "
+        "until bit 52 is set, at most 52 executions."
+    ),
     "wide-quotient": (
         "The counter is the distance between the leading ones of divisor and dividend, at most 63, 64 for a "
         "divisor of 0; it falls by one with each pass until 0."
@@ -72,11 +78,14 @@ class Rule:
     total: int
     proof: str
     compiler_rt: bool = False
+    local: bool = False
+    """for a subroutine inside the helper, reached by bl"""
 
 
 RULES = (
     Rule(r"__u?modsi3", 8, "remainder-order"),
     Rule(r"__(divdf3|aeabi_ddiv)", 13, "double-quotient"),
+    Rule(r"__(muldf3|divdf3|aeabi_dmul|aeabi_ddiv)", 52, "double-denormal", local=True),
     Rule(r"__(mulsf3|aeabi_fmul|divsf3|aeabi_fdiv)", 23, "single-denormal"),
     Rule(r"__(u?divdi3|u?moddi3|u?divmoddi4)", 64, "wide-quotient"),
     Rule(r"__powi[sd]f2", 32, "power-bits"),
@@ -93,8 +102,8 @@ GCC = (
     ("libgcc 12.2 thumb/v7e-m/nofp", "cortex-m4", ("-mcpu=cortex-m4", "-mthumb")),
 )
 ZIG = (
-    ("compiler-rt (zig 0.13) arm7tdmi", "arm926", ("-target", "arm-freestanding-eabi", "-mcpu=arm7tdmi")),
-    ("compiler-rt (zig 0.13) arm926ej_s", "arm926", ("-target", "arm-freestanding-eabi", "-mcpu=arm926ej_s")),
+    ("compiler-rt (zig 0.17.1) arm7tdmi", "arm926", ("-target", "arm-freestanding-eabi", "-mcpu=arm7tdmi")),
+    ("compiler-rt (zig 0.17.1) arm926ej_s", "arm926", ("-target", "arm-freestanding-eabi", "-mcpu=arm926ej_s")),
 )
 PROGRAM = """
 volatile unsigned u; volatile unsigned long long w; volatile float f; volatile double d;
@@ -173,27 +182,38 @@ def survey(found: str, cpu: str, image: Path, table: dict[str, dict], runs: int)
         symbol = binary.function(name)
         if not HELPER.fullmatch(name) or symbol.key in seen:
             continue
-        seen.add(symbol.key)
-        cfg = split_irreducible(build_cfg(binary, symbol.key))
-        nest = loop_nest(cfg)
-        open_headers = sorted(
-            {cfg.blocks[loop.header].address for loop in nest.loops if bound_by_ranking(cfg, nest, loop) is None}
-        )
-        if not open_headers:
-            continue
-        rules = [r for r in RULES if re.fullmatch(r.helper, name) and r.compiler_rt == found.startswith("compiler")]
-        if not rules:
-            print(f"{found}: {name} has a loop without a rule: {[hex(h) for h in open_headers]}")
-            continue
-        rule = rules[0]
-        most = observe(emulator, symbol.key, open_headers, runs)
-        print(f"{found}: {name} bound {rule.total} observed {sorted(most.values())}")
-        assert max(most.values()) <= rule.total, (name, most)
-        entry = table.setdefault(fingerprint(cfg), {"names": [], "found": [], "loops": {}})
-        entry["names"] += [] if name in entry["names"] else [name]
-        entry["found"] += [] if found in entry["found"] else [found]
-        for header in open_headers:
-            entry["loops"][header - cfg.address] = (rule.total, rule.proof)
+        for key, cfg in callgraph.build_program(binary, symbol.key).items():
+            local = key != symbol.key
+            if key in seen or (local and not cfg.name.startswith(name + "+")):
+                continue
+            seen.add(key)
+            tabulate(found, name, symbol.key, split_irreducible(cfg), local, emulator, table, runs)
+
+
+def tabulate(
+    found: str, name: str, key: int, cfg: Cfg, local: bool, emulator: Emulator, table: dict[str, dict], runs: int
+) -> None:
+    """Add the loops of one helper, or of a subroutine inside it, that need the table."""
+    nest = loop_nest(cfg)
+    open_headers = sorted(
+        {cfg.blocks[loop.header].address for loop in nest.loops if bound_by_ranking(cfg, nest, loop) is None}
+    )
+    if not open_headers:
+        return
+    compiler_rt = found.startswith("compiler")
+    rules = [r for r in RULES if re.fullmatch(r.helper, name) and (r.compiler_rt, r.local) == (compiler_rt, local)]
+    if not rules:
+        print(f"{found}: {cfg.name} has a loop without a rule: {[hex(h) for h in open_headers]}")
+        return
+    rule = rules[0]
+    most = observe(emulator, key, open_headers, runs)
+    print(f"{found}: {cfg.name} bound {rule.total} observed {sorted(most.values())}")
+    assert max(most.values()) <= rule.total, (cfg.name, most)
+    entry = table.setdefault(fingerprint(cfg), {"names": [], "found": [], "loops": {}})
+    entry["names"] += [] if name in entry["names"] else [name]
+    entry["found"] += [] if found in entry["found"] else [found]
+    for header in open_headers:
+        entry["loops"][header - cfg.address] = (rule.total, rule.proof)
 
 
 def write(path: Path, table: dict[str, dict]) -> None:
