@@ -70,7 +70,7 @@ def resolve_deployment(declaration: ast.DeploymentDecl, platform: Platform, repo
         declaration.name.text, declaration.abstract, architecture, nodes,
         declaration.expect_unschedulable, declaration.name.span,
     )  # fmt: skip
-    if not declaration.abstract and _errors(report) == errors:
+    if not declaration.abstract and architecture.complete and _errors(report) == errors:
         check_placement(result, report)
     return result
 
@@ -361,6 +361,8 @@ def _exchange(item: ast.ExchangeDecl, architecture: Architecture, report: Report
         report.add(Diagnostic("MV100", f"`{item.target}` is no port exchange", Label(item.target.span), help=help_))
         return None
     if len(parts) == 2 and parts[0].text not in {i.name for i in architecture.instances}:
+        if not architecture.complete:
+            return None
         known = {i.name: i.span for i in architecture.instances}
         message = f"there is no instance `{parts[0]}`"
         report.add(unknown("MV106", message, "unknown", parts[0].span, known, "an instance"))

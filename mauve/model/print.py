@@ -13,6 +13,7 @@ from mauve.model.model import (
     Instance,
     Model,
     Region,
+    RunCodel,
     Setting,
     State,
     Step,
@@ -42,6 +43,8 @@ def _component(component: Component) -> Iterator[str]:
         yield f"  {port.kind.value} port {port.name}: {port.type}"
     for datum in component.data:
         yield f"  {'property' if datum.is_property else 'var'} {datum.name}: {datum.type}"
+    if component.events:
+        yield f"  event {', '.join(component.events)}"
     for method in component.methods:
         yield f"  method {method.name}({_parameters(method.parameters)})" + (
             f": {method.result}" if method.result else ""
@@ -96,8 +99,15 @@ def _transition(transition: Transition) -> str:
 
 
 def _steps(steps: tuple[Step, ...]) -> str:
-    names = (f"{step.method}()" if isinstance(step, CallMethod) else step.codel for step in steps)
-    return " then ".join(names) or "(nothing)"
+    return " then ".join(_step(step) for step in steps) or "(nothing)"
+
+
+def _step(step: Step) -> str:
+    match step:
+        case RunCodel(codel=codel):
+            return codel
+        case CallMethod(method=method, arguments=arguments, result=result):
+            return f"{result} = {method}({', '.join(arguments)})" if result else f"{method}({', '.join(arguments)})"
 
 
 def _architecture(architecture: Architecture) -> Iterator[str]:

@@ -21,7 +21,10 @@ def resolve_thread(
     """A thread with its members bound."""
     instances = {instance.name: instance for instance in architecture.instances}
     members = tuple(
-        (member, path.span) for path in item.members if (member := _member(path, instances, report)) is not None
+        (member, path.span)
+        for path in item.members
+        if (architecture.complete or path.parts[0].text in instances)
+        and (member := _member(path, instances, report)) is not None
     )
     settings = execution_settings(item.attributes, report)
     for kind in (ast.Execution.SPORADIC, ast.Execution.OFFSET):

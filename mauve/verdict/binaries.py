@@ -11,6 +11,7 @@ from mauve.diagnostics.diagnostic import Applicability, Diagnostic, Fix, Label, 
 from mauve.lower.codels import CodelPlan
 from mauve.model.model import Binary, Board, Deployment
 from mauve.model.names import unknown
+from mauve.verdict.fact_notes import collected_notes
 from mauve.wcet.result import Problem, ProblemKind, WcetResult
 
 CODES = {
@@ -128,9 +129,8 @@ def _hardware(problem: Problem, board: Board, severity: Severity) -> Diagnostic:
 
 def note_diagnostics(results: Sequence[WcetResult], binary: Binary) -> Iterator[Diagnostic]:
     """What the analysis noticed about flow facts: each fact once, at the place where it is written."""
-    for result in results:
-        for problem in result.notes:
-            code, severity = NOTES.get(problem.kind, ("MV518", Severity.NOTE))
-            fact = next((f for f in binary.loops if str(f.span) == problem.written), None)
-            primary = Label(fact.span) if fact is not None else Label(binary.span, problem.written)
-            yield Diagnostic(code, problem.message, primary, severity)
+    for problem in collected_notes(results):
+        code, severity = NOTES.get(problem.kind, ("MV518", Severity.NOTE))
+        fact = next((f for f in binary.loops if str(f.span) == problem.written), None)
+        primary = Label(fact.span) if fact is not None else Label(binary.span, problem.written)
+        yield Diagnostic(code, problem.message, primary, severity)

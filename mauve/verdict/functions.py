@@ -7,6 +7,7 @@ from dataclasses import replace
 
 from mauve.diagnostics.diagnostic import Diagnostic, Fix, Severity
 from mauve.verdict.binaries import CODES, NOTES, place
+from mauve.verdict.fact_notes import collected_notes
 from mauve.wcet.result import Problem, ProblemKind, WcetResult
 
 NAMED = 3
@@ -22,16 +23,14 @@ def function_diagnostics(
     stand for.
     """
     problems: dict[tuple[object, ...], tuple[Problem, list[str]]] = {}
-    notes: dict[tuple[object, ...], Problem] = {}
+    results = tuple(results)
     for result in results:
         for problem in result.problems:
             key = (problem.kind, problem.address, problem.message)
             problems.setdefault(key, (problem, []))[1].append(result.name)
-        for note in result.notes:
-            notes.setdefault((note.kind, note.written, note.message), note)
     for problem, names in problems.values():
         yield _problem(path, problem, names, near.get(names[0], ()))
-    for note in notes.values():
+    for note in collected_notes(results):
         code, severity = NOTES.get(note.kind, ("MV518", Severity.NOTE))
         yield Diagnostic(code, note.message, severity=severity, place=note.written or path)
 
