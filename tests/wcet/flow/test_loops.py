@@ -249,7 +249,7 @@ def test_random_programs_never_run_more_than_their_bounds(code, registers, seed)
 
 
 @pytest.mark.slow
-@settings(max_examples=1500, deadline=None)
+@settings(max_examples=500, deadline=None)
 @given(programs(), st.lists(numbers, min_size=6, max_size=6), st.integers(0, 1000))
 def test_many_random_programs_never_run_more_than_their_bounds(code, registers, seed):
     compare(code, registers, seed, Limits(steps=600))
