@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import Any, TypeVar
 
@@ -32,6 +32,8 @@ class Context:
     file: SourceFile
     report: Report
     docs: dict[int, str]
+    broken: set[int] = field(default_factory=set)
+    """the lines of syntax errors, about which nothing else is said"""
 
     def span(self, start: int, end: int) -> Span:
         """A span of the file."""
@@ -40,6 +42,10 @@ class Context:
     def doc(self, start: int) -> str:
         """The `///` text before the token at an offset."""
         return self.docs.get(start, "") if self.docs else ""
+
+    def sound(self, first: Span, last: Span) -> bool:
+        """Whether no syntax error was found in the lines from one span to another."""
+        return not any(first.first.line <= line <= last.last.line for line in self.broken)
 
     def error(self, message: str, span: Span, label: str = "", fix: Fix | None = None) -> None:
         """Report a syntax error."""
@@ -170,7 +176,7 @@ def check_lines(context: Context, items: Sequence[Any], start: int, end: int) ->
     for before, item in pairwise(items):
         if "\n" in text[before.span.start : item.span.start]:
             head, reported = item, False
-        elif not reported:
+        elif not reported and context.sound(head.span, item.span):
             reported = True
             line = [i for i in items if i.span.start > head.span.start and _same_line(text, head, i)]
             _crowded(context, head, line)

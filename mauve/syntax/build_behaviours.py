@@ -23,7 +23,7 @@ def _regions(context: Context, items: list[Any]) -> tuple[ast.RegionDecl, ...]:
     if not states:
         return regions
     whole = ast.RegionDecl(None, states, states[0].span.to(states[-1].span))
-    if regions:
+    if regions and context.sound(items[0].span, items[-1].span):
         message = f"the state `{states[0].name}` stands beside regions"
         label = Label(regions[0].name.span if regions[0].name else regions[0].span, "a region")
         primary = Label(states[0].name.span, "put it into a region of its own")

@@ -103,6 +103,8 @@ def _component(context: Context, children: list[Any], start: int, end: int) -> a
     check_lines(context, items, children[opening].start, end)
     behaviours = [item for item in items if isinstance(item, (ast.LifecycleUse, ast.Machine))]
     for extra in behaviours[1:]:
+        if not context.sound(behaviours[0].span, extra.span):
+            continue
         label = Label(behaviours[0].span, "the first one")
         message = f"the component `{name}` has two behaviours"
         context.report.add(Diagnostic("MV001", message, Label(extra.span, "the second one"), labels=(label,)))

@@ -48,7 +48,7 @@ def _meant(machine: Machine, repair: Repair | None) -> str:
 def _unexpected(machine: Machine, situation: Situation, token: Token, repair: Repair | None) -> Diagnostic:
     allowed = expected(machine.table, situation.symbols(), situation.allowed())
     span = _span(machine, token)
-    if token.kind == "RBRACE" and not any(type(v) is Token and v.kind == "LBRACE" for v in machine.values):
+    if token.kind == "RBRACE" and machine.open_brace() is None:
         edit = (Edit(span, ""),)
         fix = Fix("remove it, or an earlier `}` that closes too much", edit, Applicability.MAYBE)
         return Diagnostic("MV001", "this `}` closes nothing", Label(span, "no brace is open here"), help=fix)
@@ -93,7 +93,8 @@ def _missing(machine: Machine, situation: Situation, kind: str) -> Diagnostic:
     if not place:
         place = f"after {found(before)}" if machine.at else "first"
     together = _same_line(machine, before.end, token.start)
-    if not together:
+    begins = kind == "ARROW" or kind in machine.table.words.values()
+    if not together and not begins:
         primary = Label(_span(machine, before), "before the end of this line")
     else:
         primary = Label(_span(machine, token), label)
@@ -135,30 +136,16 @@ def reserved(machine: Machine) -> Diagnostic:
 def unclosed(machine: Machine) -> Diagnostic:
     """A closing brace is missing before the next token: shown at the brace that it should close."""
     token = machine.tokens[machine.at]
-    opening = _suspicious(machine) or _innermost(machine)
+    opening = _suspicious(machine) or machine.open_brace()
     if opening is None:
         return unfinished(machine, machine_situation(machine))
     span = _span(machine, opening)
     place = f"a `}}` is missing before this {found(token)}" if token.kind != END else "the file ends here"
     labels = (Label(_span(machine, token), place),)
-    indent = _indent(machine.file.text, opening.start)
+    indent = machine.indent(opening.start)
     before = machine.tokens[machine.at - 1].end
     fix = Fix("close it", (Edit(Span(machine.file, before, before), f"\n{indent}}}"),), Applicability.MAYBE)
     return Diagnostic("MV001", "this `{` is not closed", Label(span), labels=labels, help=fix)
-
-
-def _innermost(machine: Machine) -> Token | None:
-    for value in reversed(machine.values):
-        if type(value) is Token and value.kind == "LBRACE":
-            return value
-    return None
-
-
-def _indent(text: str, offset: int) -> str:
-    """The white space at the begin of the line of an offset."""
-    start = text.rfind("\n", 0, offset) + 1
-    line = text[start:offset]
-    return line[: len(line) - len(line.lstrip())]
 
 
 def _suspicious(machine: Machine) -> Token | None:
@@ -170,11 +157,20 @@ def _suspicious(machine: Machine) -> Token | None:
             stack.append(token)
         elif token.kind == "RBRACE" and stack:
             opening = stack.pop()
-            indent = _indent(text, token.start)
+            indent = machine.indent(token.start)
             alone = not text[text.rfind("\n", 0, token.start) + 1 : token.start].strip()
-            if alone and len(indent) < len(_indent(text, opening.start)):
+            if alone and len(indent) < len(machine.indent(opening.start)):
                 return opening
     return None
+
+
+def surplus(machine: Machine) -> Diagnostic:
+    """The next token is a closing brace too many."""
+    token = machine.tokens[machine.at]
+    span, opening = _span(machine, token), machine.open_brace()
+    labels = (Label(_span(machine, opening), "it would close this one"),) if opening else ()
+    fix = Fix("remove it", (Edit(span, ""),), Applicability.MAYBE)
+    return Diagnostic("MV001", "a `}` too many", Label(span, "what follows belongs inside"), labels=labels, help=fix)
 
 
 def unfinished(machine: Machine, situation: Situation) -> Diagnostic:

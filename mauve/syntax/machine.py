@@ -71,6 +71,7 @@ class Machine:
 
     `at` is the index of the next token, `last_end` the offset after the last one shifted. `suspect` is the situation
     before the latest keyword that opened a line and was taken for a name: often what should come before it is missing.
+    `closing` is the one before the latest brace that closed a block of another indentation: it may be one too many.
     """
 
     def __init__(self, file: SourceFile, scanned: Scan, report: Report) -> None:
@@ -84,6 +85,7 @@ class Machine:
         self.at = 0
         self.last_end = 0
         self.suspect: Snapshot | None = None
+        self.closing: Snapshot | None = None
 
     def advance(self) -> ast.Module | None:
         """Run until the file is read, or until the token at `at` does not fit: then None."""
@@ -95,8 +97,10 @@ class Machine:
             row = actions[states[-1]]
             if kind == "NAME" and text in words:
                 kind = kind_of(self.table, states, token)
-                if kind == "NAME":
-                    self._suspect(token)
+                if kind == "NAME" and self._opens_line(start):
+                    self.suspect = self._snapshot()
+            elif kind == "RBRACE" and self._opens_line(start) and not self._aligned(start):
+                self.closing = self._snapshot()
             action = row.get(kind)
             while action is not None and action < 0:
                 self.reduce(~action)
@@ -173,10 +177,35 @@ class Machine:
         self.starts[:] = snapshot.starts
         self.at, self.last_end = snapshot.at, snapshot.last_end
 
-    def _suspect(self, token: Token) -> None:
-        """Remember the situation before a keyword that stands first on its line and is about to be read as a name."""
+    def open_brace(self) -> Token | None:
+        """The innermost brace that is not closed."""
+        closed = 0
+        for value in reversed(self.values):
+            if type(value) is Token and value.kind == "RBRACE":
+                closed += 1
+            elif type(value) is Token and value.kind == "LBRACE":
+                if not closed:
+                    return value
+                closed -= 1
+        return None
+
+    def indent(self, offset: int) -> str:
+        """The white space with which the line of an offset begins."""
+        line = self.file.text[self.file.text.rfind("\n", 0, offset) + 1 : offset]
+        return line[: len(line) - len(line.lstrip())]
+
+    def _opens_line(self, start: int) -> bool:
+        """Whether the next token is the first of its line."""
         before = self.tokens[self.at - 1].end if self.at else 0
-        if "\n" in self.file.text[before : token.start]:
-            values, starts = list(self.values), list(self.starts)
-            lengths = [len(value) if type(value) is list else 0 for value in values]
-            self.suspect = Snapshot(self.at, list(self.states), values, lengths, starts, self.last_end)
+        return "\n" in self.file.text[before:start]
+
+    def _aligned(self, start: int) -> bool:
+        """Whether a closing brace is indented as the line that opens its block."""
+        opening = self.open_brace()
+        return opening is None or self.indent(opening.start) == self.indent(start)
+
+    def _snapshot(self) -> Snapshot:
+        """The situation before the next token."""
+        values, starts = list(self.values), list(self.starts)
+        lengths = [len(value) if type(value) is list else 0 for value in values]
+        return Snapshot(self.at, list(self.states), values, lengths, starts, self.last_end)

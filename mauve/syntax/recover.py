@@ -12,10 +12,11 @@ from dataclasses import replace
 
 from mauve.source import Span
 from mauve.syntax import ast
-from mauve.syntax.explain import explain, reserved, unclosed, unfinished
+from mauve.syntax.explain import explain, reserved, surplus, unclosed, unfinished
 from mauve.syntax.machine import RESERVED, Machine, feed
 from mauve.syntax.repair import Repair, Situation, machine_situation
 from mauve.syntax.slips import slip
+from mauve.syntax.table import Table
 from mauve.syntax.tokens import END, Token
 
 MOST_ERRORS = 25
@@ -26,6 +27,9 @@ LOOKAHEAD = 5
 
 QUIET = 3
 """An error within so many tokens of its line after a change is taken for its consequence and not reported."""
+
+MOST_STALLS = 6
+"""So many changes in a row may leave the parser where it is."""
 
 MOST_SKIPPED = 50_000
 """Where the parser finds nothing to go on with in so many tokens, the rest of the file is not read."""
@@ -51,20 +55,27 @@ class _Recovery:
         self.machine = machine
         self.quiet_until = -1
         self.errors = 0
+        self.furthest = -1
+        self.stalls = 0
 
     def repair(self) -> None:
         """Mend the error at the machine's next token, or leave the construct it is in."""
         machine = self.machine
-        silent = machine.at < self.quiet_until and not machine_situation(self.machine).opens_line(machine.at)
+        situation = machine_situation(machine)
+        silent = machine.at < self.quiet_until and not situation.opens_line(machine.at)
+        machine.context.broken.add(machine.file.position(machine.tokens[machine.at].start).line)
+        if machine.at:
+            machine.context.broken.add(machine.file.position(situation.token(-1).end).line)
         self.errors += not silent
         if self.errors > MOST_ERRORS:
             message = f"more than {MOST_ERRORS} syntax errors: the rest of the file is not read"
             token = machine.tokens[machine.at]
             machine.context.error(message, Span(machine.file, token.start, token.end))
             self._finish()
+        elif self._stalled():
+            self._leave_behind()
         elif machine.tokens[machine.at].kind == END:
             if not silent:
-                situation = machine_situation(self.machine)
                 missing = situation.fits("RBRACE")
                 diagnostic = unclosed(machine) if missing else unfinished(machine, situation)
                 machine.context.report.add(diagnostic)
@@ -80,10 +91,28 @@ class _Recovery:
                 self._apply(best)
                 self.quiet_until = machine.at + QUIET
 
+    def _stalled(self) -> bool:
+        """Whether the last changes have not brought the parser further: no mixture of changes may go in circles."""
+        self.stalls = self.stalls + 1 if self.machine.at <= self.furthest else 0
+        self.furthest = max(self.furthest, self.machine.at)
+        return self.stalls > MOST_STALLS
+
+    def _leave_behind(self) -> None:
+        """Leave out all tokens up to the furthest one that was reached."""
+        self.machine.suspect = self.machine.closing = None
+        self.machine.at = min(self.furthest + 1, len(self.machine.tokens) - 1)
+        if self.machine.tokens[self.machine.at].kind == END:
+            self._finish()
+
     def _best(self) -> Repair | None:
         """The change that lets most tokens pass, where need be before a keyword that was read as a name."""
         machine = self.machine
-        suspect = machine.suspect
+        closing, suspect = machine.closing, machine.suspect
+        if closing is not None and machine.at - closing.at == 1:
+            inside = replace(machine_situation(machine), states=closing.states)
+            if inside.score(closing.states, (), machine.at, LOOKAHEAD) == LOOKAHEAD:
+                machine.restore(closing)
+                return Repair(replace=1, told=surplus)
         if suspect is not None and 0 < machine.at - suspect.at <= 2:
             earlier = replace(machine_situation(machine), states=suspect.states, at=suspect.at)
             back = _choose(earlier)
@@ -132,7 +161,7 @@ class _Recovery:
         """Skip to a token with which a member or a block may go on or end, and drop what is half read."""
         machine, situation = self.machine, machine_situation(self.machine)
         begin, depth = machine.at, 0
-        inside = any(type(value) is Token and value.kind == "LBRACE" for value in machine.values)
+        inside = machine.open_brace() is not None
         for at in range(begin, min(begin + MOST_SKIPPED, len(machine.tokens))):
             token = machine.tokens[at]
             possible = token.kind == "NAME" or (inside and token.kind in ("RBRACE", "ARROW"))
@@ -156,14 +185,15 @@ class _Recovery:
             return False
         need = 1 if token.kind == "RBRACE" else 3
         states = list(machine.states)
-        for pops in range(len(machine.states)):
+        while True:
+            pops = len(machine.states) - len(states)
             if (pops or fresh) and _goes_on(situation, states, at, need):
                 self._pop(pops)
                 machine.at = at
                 return True
-            if machine.table.symbols[states[-1]] == "LBRACE":
+            if len(states) == 1 or machine.table.symbols[states[-1]] == "LBRACE":
                 break
-            states.pop()
+            _drop(machine.table, states)
         return machine.file.position(token.start).column == 1 and self._close_to(at)
 
     def _close_to(self, at: int) -> bool:
@@ -173,8 +203,8 @@ class _Recovery:
         plan: list[int] = []
         while situation.score(states, (), at, 3) < 3:
             before = len(states)
-            while len(states) > 1 and not feed(situation.table, list(states), "RBRACE"):
-                states.pop()
+            while len(states) > 1 and not feed(machine.table, list(states), "RBRACE"):
+                _drop(machine.table, states)
             if len(states) == 1:
                 return False
             plan.append(before - len(states))
@@ -190,10 +220,22 @@ class _Recovery:
         machine = self.machine
         machine.at = len(machine.tokens) - 1
         while len(machine.states) > 1 and not machine_situation(self.machine).complete():
-            if machine_situation(self.machine).fits("RBRACE"):
+            if feed(machine.table, list(machine.states), "RBRACE"):
                 machine.push(Token("RBRACE", "}", machine.last_end, machine.last_end))
             else:
-                self._pop(1)
+                states = list(machine.states)
+                _drop(machine.table, states)
+                self._pop(len(machine.states) - len(states))
+
+
+def _drop(table: Table, states: list[int]) -> None:
+    """Drop the last symbol; for a closing brace, all of the block it closes."""
+    depth = 0
+    while len(states) > 1:
+        symbol = table.symbols[states.pop()]
+        depth += (symbol == "RBRACE") - (symbol == "LBRACE" and depth > 0)
+        if depth == 0:
+            return
 
 
 def _goes_on(situation: Situation, states: list[int], at: int, need: int) -> bool:
@@ -228,7 +270,8 @@ def _candidates(situation: Situation) -> Iterator[Repair]:
         return Repair(insert, replace=skip, score=score, need=need, rename=rename)
 
     marks = [kind for kind in table.marks.values() if kind in row and kind not in ("RBRACE", "DOT", "PLUS")]
-    words = [kind for kind in table.words.values() if kind in row]
+    joining = [table.words[word] for word in sorted(RESERVED)]
+    words = [kind for kind in dict.fromkeys([*joining, *table.words.values()]) if kind in row]
     holders = [kind for kind in PLACEHOLDERS if kind in row]
     if token.text in RESERVED and "NAME" in row:
         yield judged(("NAME",), 1, 2, rename=True)
