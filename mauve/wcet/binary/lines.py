@@ -76,20 +76,57 @@ def load_lines(binary: Binary) -> LineTable:
     if not data:
         return LineTable()
     files: dict[str, int] = {}
-    rows: list[Row] = []
-    statements: list[tuple[int, int, int]] = []
-    offset = 0
-    while offset + 4 <= len(data) and len(rows) < _ROW_LIMIT:
-        program = _Program(data, offset, sections, files, rows, statements)
+    sequences: list[_Sequence] = []
+    offset = read = 0
+    while offset + 4 <= len(data) and read < _ROW_LIMIT:
+        program = _Program(data, offset, sections, files, _ROW_LIMIT - read)
         with suppress(IndexError, ValueError):  # damaged: what was read before stays
             program.run()
+        sequences += program.sequences
+        read += sum(len(sequence.rows) for sequence in program.sequences)
         if program.end <= offset:
             break
         offset = program.end
-    kept = [row for row in rows if row.start < row.end and binary.read_code(row.start, 1) is not None]
+    linked = _linked(binary, sequences)
+    kept = [
+        row
+        for sequence in linked
+        for row in sequence.rows
+        if row.start < row.end and binary.read_code(row.start, 1) is not None
+    ]
     kept.sort(key=lambda row: row.start)
-    marks = tuple(mark for mark in statements if binary.read_code(mark[2], 1) is not None)
+    marks = tuple(m for sequence in linked for m in sequence.statements if binary.read_code(m[2], 1) is not None)
     return LineTable(tuple(files), debug_units(binary), tuple(kept), marks, tuple(row.start for row in kept))
+
+
+@dataclass(slots=True)
+class _Sequence:
+    """What one sequence of a line number program says of one piece of code."""
+
+    rows: list[Row] = field(default_factory=list)
+    statements: list[tuple[int, int, int]] = field(default_factory=list)
+
+    @property
+    def start(self) -> int:
+        return self.rows[0].start if self.rows else -1
+
+    @property
+    def end(self) -> int:
+        return self.rows[-1].end if self.rows else -1
+
+
+def _linked(binary: Binary, sequences: list[_Sequence]) -> list[_Sequence]:
+    """The sequences of code that is there. A linker that drops a function leaves its lines at address 0: they would lie
+    over the code that is really at low addresses, so of several sequences at 0 only one that fits the function there
+    stays."""
+    at_zero = [sequence for sequence in sequences if sequence.start == 0]
+    others = [s for s in sequences if s.start > 0 and binary.read_code(s.start, 1) is not None]
+    if binary.read_code(0, 1) is None:
+        return others
+    if len(at_zero) > 1:
+        symbol = binary.symbol_at(0)
+        at_zero = [s for s in at_zero if symbol is not None and s.end == symbol.address + symbol.size][:1]
+    return [*at_zero, *others]
 
 
 class _Reader:
@@ -140,11 +177,11 @@ class _Program:
         offset: int,
         sections: dict[str, bytes],
         files: dict[str, int],
-        rows: list[Row],
-        statements: list[tuple[int, int, int]],
+        limit: int,
     ) -> None:
         self.reader = _Reader(data, offset)
-        self.sections, self.files, self.rows, self.statements = sections, files, rows, statements
+        self.sections, self.files, self.limit = sections, files, limit
+        self.sequences: list[_Sequence] = []
         self.wide = 4
         length = self.reader.unsigned(4)
         if length == 0xFFFFFFFF:
@@ -174,8 +211,9 @@ class _Program:
         self.lengths = [reader.unsigned(1) for _ in range(self.opcode_base - 1)]
         self.paths = self._paths5() if version >= 5 else self._paths2()
         reader.at = start
-        while reader.at < self.end and len(self.rows) < _ROW_LIMIT:
+        while reader.at < self.end and self.limit > 0:
             self._sequence()
+            self.limit -= len(self.sequences[-1].rows)
 
     def _paths2(self) -> list[int]:
         """The files of DWARF 2 to 4: numbered from 1, directory 0 is that of the compilation."""
@@ -236,9 +274,10 @@ class _Program:
     def _sequence(self) -> None:
         """One run from the initial state to the end of a sequence."""
         reader = self.reader
+        self.sequences.append(_Sequence())
         address, file, line, stmt = 0, 1, 1, self.default_stmt
         last: tuple[int, int, int, bool] | None = None
-        while reader.at < self.end and len(self.rows) < _ROW_LIMIT:
+        while reader.at < self.end and len(self.sequences[-1].rows) < self.limit:
             opcode = reader.unsigned(1)
             emits = False
             if opcode >= self.opcode_base:
@@ -278,11 +317,11 @@ class _Program:
                 self._emit(last, address)
                 last = (address, file, line, stmt)
                 if stmt:
-                    self.statements.append((self.paths[file], line, address))
+                    self.sequences[-1].statements.append((self.paths[file], line, address))
 
     def _emit(self, last: tuple[int, int, int, bool] | None, address: int) -> None:
         """Close the row before at the address where it ends; of several rows that start at one address the last one
         counts."""
         if last is not None and last[0] < address:
             start, file, line, stmt = last
-            self.rows.append(Row(start, address, self.paths[file], max(line, 0), stmt))
+            self.sequences[-1].rows.append(Row(start, address, self.paths[file], max(line, 0), stmt))
