@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -10,7 +11,8 @@ import pytest
 
 from mauve.cli import main
 
-FIXTURES = Path(__file__).resolve().parents[1] / "wcet" / "fixtures"
+ROOT = Path(__file__).resolve().parents[2]
+FIXTURES = ROOT / "tests" / "wcet" / "fixtures"
 ELF = FIXTURES / "arm7tdmi-arm-O0.elf"
 
 MODEL = """\
@@ -86,6 +88,14 @@ Command = Callable[..., Run]
 def caches(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """One directory of caches for all of these tests: the parse table is built once."""
     return tmp_path_factory.mktemp("caches")
+
+
+@pytest.fixture
+def environment(caches: Path) -> dict[str, str]:
+    """What a process of its own gets: this checkout, the caches of these tests, and bytecode kept between processes."""
+    kept = {name: value for name, value in os.environ.items() if not name.startswith(("PYTHON", "MAUVEC"))}
+    own = {"PYTHONPATH": str(ROOT), "PYTHONPYCACHEPREFIX": str(caches / "bytecode"), "XDG_CACHE_HOME": str(caches)}
+    return {**kept, **own}
 
 
 @pytest.fixture(autouse=True)

@@ -5,7 +5,6 @@ Long input is given to a process of its own, whose time and memory the operating
 
 from __future__ import annotations
 
-import os
 import re
 import resource
 import subprocess
@@ -48,13 +47,15 @@ LOCATED = re.compile(r"^robot\.mauve(:\d+:\d+)?: error: .+ \[(MV\d{3})\]$", re.M
 
 
 @pytest.mark.parametrize("name", MODELS)
-def test_models(name: str, mauvec: Command, tmp_path: Path, caches: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_models(
+    name: str, mauvec: Command, tmp_path: Path, environment: dict[str, str], monkeypatch: pytest.MonkeyPatch
+) -> None:
     data, code = MODELS[name]
     (tmp_path / "robot.mauve").write_bytes(data)
     (tmp_path / "other.mauve").write_bytes(b"mauve 1\npackage other\nimport robot\n")
     monkeypatch.chdir(tmp_path)
     arguments = ["check", "robot.mauve", "--format", "short"]
-    run = limited(arguments, tmp_path, caches) if len(data) > LONG else mauvec(*arguments)
+    run = limited(arguments, tmp_path, environment) if len(data) > LONG else mauvec(*arguments)
     assert (run.code, run.out) == (1, ""), run.err[-2000:]
     assert "Traceback" not in run.err
     found = LOCATED.findall(run.err)
@@ -137,15 +138,13 @@ def test_a_symbol_that_is_data(mauvec: Command, tmp_path: Path, monkeypatch: pyt
     assert re.search(r"^robot\.mauve:\d+:\d+: error: .+ \[MV505\]$", checked.err, re.MULTILINE)
 
 
-def limited(arguments: list[str], folder: Path, caches: Path) -> Run:
+def limited(arguments: list[str], folder: Path, environment: dict[str, str]) -> Run:
     """`mauvec` in a process of its own with an upper limit on memory and on time."""
 
     def limit() -> None:
         resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
         resource.setrlimit(resource.RLIMIT_CPU, (SECONDS, SECONDS))
 
-    root = Path(__file__).resolve().parents[2]
-    environment = {**os.environ, "XDG_CACHE_HOME": str(caches), "PYTHONPATH": str(root)}
     done = subprocess.run(
         [sys.executable, "-m", "mauve", *arguments],
         cwd=folder, env=environment, preexec_fn=limit, capture_output=True, text=True, errors="replace",
