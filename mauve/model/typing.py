@@ -14,6 +14,8 @@ from mauve.syntax.quantities import time_of
 LARGEST_OBJECT = 1 << 28
 """Bytes; larger types are refused (MV209), since no target of this tool could hold one."""
 
+MOST_DIMENSIONS = 16
+
 DEEPEST_STRUCT = 100
 """Structs in structs that are resolved at most."""
 
@@ -63,6 +65,10 @@ class TypeTable:
         return self._array(base, ref)
 
     def _array(self, base: Type | None, ref: ast.TypeRef) -> Type | None:
+        if len(ref.dimensions) > MOST_DIMENSIONS:
+            message = f"an array has at most {MOST_DIMENSIONS} dimensions"
+            self._report.add(Diagnostic("MV209", message, Label(ref.dimensions[MOST_DIMENSIONS].span, "one too many")))
+            return None
         for dimension in reversed(ref.dimensions):
             if not dimension.is_integer or dimension.integer < 1:
                 message = f"an array cannot have {dimension.text} elements"

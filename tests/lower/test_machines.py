@@ -211,7 +211,7 @@ connect s.o -> x.plain"""
 def test_message_handlers_are_paid_once_per_message_that_may_wait(
     period: str, size: int, policy: str, handler: str, cost: int
 ) -> None:
-    body = "initial state A {\nmessage %s\nrun c1\n}" % handler
+    body = f"initial state A {{\nmessage {handler}\nrun c1\n}}"
     text = _robot(body, SOURCE % (period, size, policy), MESSAGES) + "external component S {\nout port o: f64\n}"
     machines = machines_of(model_of(text))["x"]
     assert machines is not None

@@ -326,7 +326,8 @@ def test_derived_before_assumed_before_declared(
     codel = f"codel make wcet {declared}us" if declared else "codel make"
     assume = f"assume A.make wcet {assumed}us" if assumed else ""
     text = f"component A {{\n{codel}\nbehaviour {{\ninitial state On {{\nrun make\n}}\n}}\n}}\n{BOARD}"
-    text += f'architecture R {{\ninstance a: A {{ period 1ms }}\n}}\ndeployment d of R {{\nnode n on desk {{\nbinary "a.elf"\n{assume}\n}}\n}}'
+    text += "architecture R {\ninstance a: A { period 1ms }\n}\n"
+    text += f'deployment d of R {{\nnode n on desk {{\nbinary "a.elf"\n{assume}\n}}\n}}'
     deployment = model_of(text).deployments[0]
     plans = plan_codels(deployment)
     assert [(str(plan.id), plan.symbol) for plan in plans] == [("A.make", "A_make")]

@@ -52,11 +52,11 @@ external component Base {
 }
 architecture Robot {
   instance base: Base { sporadic 20ms }
-  instance pilot: Pilot { sporadic 20ms  jitter 1ms }
+  instance p: Pilot { sporadic 20ms  jitter 1ms }
   instance link: Link
-  connect base.goal -> pilot.goal buffered size 4 drop oldest initial 0.0
-  connect pilot.thrust -> base.thrust
-  connect pilot.send -> link.send
+  connect base.goal -> p.goal buffered size 4 drop oldest initial 0.0
+  connect p.thrust -> base.thrust
+  connect p.send -> link.send
 }
 board desk {
   cpu "arm926ej-s" at 200MHz
@@ -79,7 +79,7 @@ deployment main of Robot {
     interrupt uart every 87us symbol "uart_isr"
     process p {
       exchange ports 5us
-      thread control { pilot }
+      thread control { p }
     }
   }
 }
@@ -114,11 +114,11 @@ external component Base
   in port thrust: f64
 architecture Robot
   instance base: Base sporadic 20ms
-  instance pilot: Pilot sporadic 20ms deadline 10ms (default: the period) priority 1 (default: rate monotonic) jitter 1ms
+  instance p: Pilot sporadic 20ms deadline 10ms (default: the period) priority 1 (default: rate monotonic) jitter 1ms
   instance link: Link
-  connect base.goal -> pilot.goal buffered size 4 drop oldest
-  connect pilot.thrust -> base.thrust
-  connect pilot.send -> link.send
+  connect base.goal -> p.goal buffered size 4 drop oldest
+  connect p.thrust -> base.thrust
+  connect p.send -> link.send
 board desk cpu "arm926ej-s" at 200000000Hz
   memory ram at 0x00000000 size 0x100000 wait 2cycles write wait 30ns
   icache 16KiB 4-way line 32B
@@ -132,7 +132,7 @@ deployment main of Robot expect unschedulable
       facts "a.ff"
     assume others wcet 1ms
     interrupt uart every 87us symbol "uart_isr"
-    thread control { pilot }
+    thread control { p }
     exchange ports 5us"""
 
 

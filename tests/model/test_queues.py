@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -38,7 +40,7 @@ def test_no_run_has_more_arrivals(t_p: int, d_p: int, j_p: int, t_c: int, j_c: i
     phase = data.draw(st.integers(0, t_p))
     published = [phase + k * t_p + data.draw(st.integers(0, d_p)) for k in range(12)]
     copies = [k * t_c + data.draw(st.integers(0, j_c)) for k in range(8)]
-    for before, after in zip(copies, copies[1:], strict=False):
+    for before, after in pairwise(copies):
         assert sum(before < at <= after for at in published) <= (most or 0)
 
 

@@ -69,6 +69,11 @@ def test_a_deep_nest_of_structs_is_refused_not_a_crash() -> None:
     assert "MV209" in codes(report)
 
 
+def test_an_array_of_many_dimensions_is_refused_not_a_crash() -> None:
+    _, report = resolved(f"external component E {{\n  out port p: u8{'[1]' * 3000}\n}}")
+    assert codes(report) == ["MV209"]
+
+
 @pytest.mark.parametrize(
     ("type_", "value"),
     [
