@@ -28,6 +28,9 @@ LOOKAHEAD = 5
 QUIET = 3
 """An error within so many tokens of its line after a change is taken for its consequence and not reported."""
 
+DEEPEST_STACK = 1000
+"""More symbols are half read only in a chain of `not`, whose end is then dropped."""
+
 MOST_STALLS = 6
 """So many changes in a row may leave the parser where it is."""
 
@@ -61,6 +64,8 @@ class _Recovery:
     def repair(self) -> None:
         """Mend the error at the machine's next token, or leave the construct it is in."""
         machine = self.machine
+        if len(machine.states) > DEEPEST_STACK:
+            self._pop(len(machine.states) - DEEPEST_STACK)
         situation = machine_situation(machine)
         silent = machine.at < self.quiet_until and not situation.opens_line(machine.at)
         machine.context.broken.add(machine.file.position(machine.tokens[machine.at].start).line)
@@ -242,6 +247,8 @@ def _goes_on(situation: Situation, states: list[int], at: int, need: int) -> boo
     """Whether so many tokens fit from an index on, the first one perhaps misspelled: that is an error of its own."""
     if situation.score(states, (), at, need) >= need:
         return True
+    if not situation.opens_line(at) or situation.tokens[at].text in situation.table.words:
+        return False
     there = replace(situation, states=states, at=at)
     return any(there.score(states, (kind,), at + 1, need) >= need for kind in there.near_words(there.token()))
 
