@@ -12,7 +12,8 @@ from enum import Enum
 
 from mauve.diagnostics.diagnostic import Diagnostic, Fix, Label, Report, Severity
 from mauve.lower.calls import Use, services, uses
-from mauve.model.model import Assumption, Binary, Codel, CodelId, Deployment, Node
+from mauve.model.model import Assumption, Binary, Codel, CodelId, Deployment, Node, RegionId
+from mauve.model.threads import placement
 from mauve.source import Span
 from mauve.units import format_time
 from mauve.wcet.result import WcetResult
@@ -28,15 +29,15 @@ class Source(Enum):
 
 @dataclass(frozen=True, slots=True)
 class CodelPlan:
-    """A codel that some task executes: every place of use, its symbol, and whether that name was written by
-    somebody.
-    """
+    """A codel that some task executes: every place of use, its symbol and, where somebody wrote that name, the place;
+    `nodes` are those whose processors execute it."""
 
     id: CodelId
     codel: Codel
     uses: tuple[Use, ...]
     symbol: str
     symbol_span: Span | None
+    nodes: frozenset[str]
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,27 +61,34 @@ def plan_codels(deployment: Deployment) -> tuple[CodelPlan, ...]:
         if instance.active:
             for use in uses(instance, connected):
                 found.setdefault(use.codel, []).append(use)
-    bound = {
-        codel: (symbol, span)
-        for node in deployment.nodes
-        for binary in node.binaries
-        for codel, symbol, span in binary.symbols
-    }
     codels = {
         CodelId(component.name, codel.name): codel
         for component in {i.component.name: i.component for i in architecture.instances}.values()
         for codel in component.codels
     }
-    return tuple(_plan(id_, codels[id_], tuple(places), bound) for id_, places in found.items())
+    seats = _seats(deployment)
+    return tuple(_plan(id_, codels[id_], tuple(places), seats, deployment) for id_, places in found.items())
 
 
-def _plan(id_: CodelId, codel: Codel, places: tuple[Use, ...], bound: Mapping[CodelId, tuple[str, Span]]) -> CodelPlan:
-    if id_ in bound:
-        symbol, span = bound[id_]
-        return CodelPlan(id_, codel, places, symbol, span)
+def _seats(deployment: Deployment) -> Mapping[RegionId, str]:
+    """The node that executes each region; none where a deployment of one node has no threads."""
+    nodes = {id(thread): node.name for node in deployment.nodes for thread in node.threads}
+    return {region: nodes[id(thread)] for region, thread in placement(deployment).items()}
+
+
+def _plan(
+    id_: CodelId, codel: Codel, places: tuple[Use, ...], seats: Mapping[RegionId, str], deployment: Deployment
+) -> CodelPlan:
+    every = frozenset(node.name for node in deployment.nodes)
+    nodes = frozenset(seats[use.region] for use in places if use.region in seats) or every
+    for node in deployment.nodes:
+        for binary in node.binaries if node.name in nodes else ():
+            for bound, symbol, span in binary.symbols:
+                if bound == id_:
+                    return CodelPlan(id_, codel, places, symbol, span, nodes)
     if codel.symbol is not None:
-        return CodelPlan(id_, codel, places, codel.symbol, codel.span)
-    return CodelPlan(id_, codel, places, f"{id_.component}_{id_.codel}", None)
+        return CodelPlan(id_, codel, places, codel.symbol, codel.span, nodes)
+    return CodelPlan(id_, codel, places, f"{id_.component}_{id_.codel}", None, nodes)
 
 
 def choose_times(
@@ -114,7 +122,7 @@ def _assumption(plan: CodelPlan, nodes: tuple[Node, ...]) -> Assumption | None:
     """The assumption that names the codel, else the one for all others, else None. A declared time goes before
     `others`.
     """
-    every = [assumption for node in nodes for assumption in node.assumptions]
+    every = [assumption for node in nodes if node.name in plan.nodes for assumption in node.assumptions]
     named = next((a for a in every if a.codel == plan.id), None)
     if named is not None or plan.codel.wcet is not None:
         return named

@@ -48,7 +48,7 @@ def derive(
     handlers: dict[str, int] = {}
     complete = True
     for node, binary in derivable(deployment):
-        wanted = [plan for plan in plans if _belongs(plan, binary, found)]
+        wanted = [plan for plan in plans if node.name in plan.nodes and _belongs(plan, binary, found)]
         if (missing := _missing(binary)) is not None:
             complete = False
             report.add(unreadable(binary, missing))

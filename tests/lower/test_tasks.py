@@ -366,3 +366,15 @@ def test_waits_in_time_become_cycles_rounded_up() -> None:
     )
     board = wcet_board(model_of(text).deployments[0].nodes[0].board)
     assert (board.memories[0].wait, board.memories[0].write_wait) == (3, 3)
+
+
+def test_a_codel_takes_its_time_from_the_processor_that_executes_it() -> None:
+    text = _text("instance a: Simple { period 10ms }\ninstance log: Log\nconnect a.note -> log.note\nexternal a.got")
+    start = text.index("deployment d of R")
+    node = 'node %s on desk {\nbinary "%s.elf" {\nSimple.make = "%s_make"\n}\n'
+    node += "assume Log.append wcet %dus\nprocess p {\n%s\n}\n}\n"
+    left, right = node % ("left", "l", "l", 1, ""), node % ("right", "r", "r", 2, "thread t { a }")
+    deployment = model_of(text[:start] + f"deployment d of R {{\n{left}{right}}}").deployments[0]
+    plans = {str(plan.id): plan for plan in plan_codels(deployment)}
+    assert plans["Simple.make"].symbol == "r_make" and plans["Simple.make"].nodes == {"right"}
+    assert times(deployment)[CodelId("Log", "append")] == 2 * US
