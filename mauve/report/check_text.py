@@ -9,7 +9,7 @@ from mauve.diagnostics.style import Role, Style
 from mauve.lower.codels import CodelTime, Source
 from mauve.lower.placed import PlacedTask
 from mauve.report.table import Align, Cell, Column, Row, format_table
-from mauve.timing.response import Analysis
+from mauve.timing.response import Analysis, Method
 from mauve.timing.task import Kind, Task, trace_length
 from mauve.units import format_time
 from mauve.verdict.result import CheckResult, DeploymentResult, NodeResult
@@ -133,7 +133,7 @@ def _task(placed: PlacedTask, analysis: Analysis, complete: bool) -> Row:
     """A component. In an incomplete deployment a response is what it is at least, and only a miss is certain."""
     task = placed.task
     result = analysis.result(task.name)
-    wcrt = "none" if result.wcrt is None else format_time(result.wcrt)
+    wcrt = "no bound" if result.wcrt is None else format_time(result.wcrt)
     slack = "" if result.slack is None else format_time(result.slack, down=True)
     if not result.schedulable:
         verdict = Cell("missed", Role.ERROR)
@@ -191,10 +191,17 @@ def _verdict(result: DeploymentResult, style: Style) -> str:
         return style.paint(Role.ERROR, f"{name}: incomplete, no verdict{certain}")
     if result.holds:
         every = "the deadline holds" if count == 1 else f"all {count} deadlines hold"
-        text = f"{name}: {every}, always" + (", unexpectedly" if expected else "")
+        text = f"{name}: {every}, {_certainty(result)}" + (", unexpectedly" if expected else "")
         return style.paint(Role.ERROR if expected else Role.HELP, text)
     text = f"{name}: {missed} of {count} deadlines missed" + (", as expected" if expected else "")
     return style.paint(Role.NOTE if expected else Role.ERROR, text)
+
+
+def _certainty(result: DeploymentResult) -> str:
+    """What a deadline that holds is worth: the paper's method is not sound in general (MV603 says where)."""
+    if any(node.analysis is not None and node.analysis.method is Method.PAPER for node in result.nodes):
+        return "by the paper's method"
+    return "always"
 
 
 def _summary(result: CheckResult, style: Style) -> list[str]:

@@ -186,6 +186,7 @@ def test_the_method_is_used_and_named(method: str, mauvec: Command, model: Write
     run = mauvec("check", model(MODEL), "--method", method)
     assert run.code == 0
     assert f"response times by the {method} method" in run.out
+    assert ("always" in run.out) is (method != "paper"), "the printed method promises less"
 
 
 # ------------------------------------------------------------------------------------------------------------ stages
