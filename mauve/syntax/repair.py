@@ -85,6 +85,8 @@ class Situation:
                 return 0
         for count in range(limit):
             token = self.tokens[min(at + count, len(self.tokens) - 1)]
+            if token.text == ";":
+                continue  # a slip of its own
             if not feed(self.table, simulated, kind_of(self.table, simulated, token)):
                 return count + (count > 0 and self.opens_line(min(at + count, len(self.tokens) - 1)))
             if token.kind == END:
