@@ -189,7 +189,23 @@ class _Loader:
             self._missing(import_, self._candidates(), f"there is no file `{path}`")
             return None
         file = read_source(path, self.report, import_.path.span)
-        return parse(file, self.report) if file else None
+        if file is None:
+            return None
+        module = parse(file, self.report)
+        self._check_package(import_, module)
+        return module
+
+    def _check_package(self, import_: ast.Import, module: ast.Module) -> None:
+        """An imported file is known by its package, so that must be the name it is imported by."""
+        wanted, found = str(import_.path), str(module.package) if module.package else ""
+        if found == wanted or (not found and "." not in wanted) or self.report.has_errors:
+            return
+        says = f"is the package `{found}`" if found else "names no package"
+        labels = (Label(module.package.span, "the package is named here"),) if module.package else ()
+        fix = Fix(f"write `package {wanted}` in `{module.file.name}`")
+        label = Label(import_.path.span, f"the file {says}")
+        message = f"`{module.file.name}` {says}, it is imported as `{wanted}`"
+        self.report.add(Diagnostic("MV104", message, label, labels=labels, help=fix))
 
     def _candidates(self) -> list[str]:
         """Dotted names of the files below the root, as far as they are quickly found."""

@@ -62,6 +62,13 @@ def test_a_missing_import_names_a_near_one(tmp_path: Path) -> None:
     assert second.primary is not None and second.primary.text == "not in the standard library"
 
 
+def test_an_imported_file_names_the_package_it_is_imported_by(tmp_path: Path) -> None:
+    write(tmp_path, {"a.mauve": "mauve 1\nimport nav.gps\n", "nav/gps.mauve": "mauve 1\npackage gps\n"})
+    _, (found,) = load(tmp_path / "a.mauve")
+    assert found.code == "MV104" and "is the package `gps`, it is imported as `nav.gps`" in found.message
+    assert found.help is not None and found.help.text.startswith("write `package nav.gps` in")
+
+
 def test_a_cycle_is_told_as_a_walk(tmp_path: Path) -> None:
     write(
         tmp_path,
