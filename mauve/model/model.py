@@ -165,10 +165,6 @@ class Region:
     states: tuple[State, ...]
     span: Span
 
-    def state(self, name: str) -> State:
-        """A state by its name."""
-        return next(state for state in self.states if state.name == name)
-
 
 @dataclass(frozen=True, slots=True)
 class Component:
@@ -255,10 +251,6 @@ class Architecture:
     external: tuple[Endpoint, ...]
     complete: bool
     span: Span
-
-    def instance(self, name: str) -> Instance:
-        """An instance by its name."""
-        return next(instance for instance in self.instances if instance.name == name)
 
 
 # ------------------------------------------------------------------------------------------------ platform
