@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import ChainMap
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
@@ -23,47 +24,77 @@ def callees(cfg: Cfg) -> tuple[int, ...]:
 def build_program(
     binary: Binary, entry: int, control: Control | None = None, limit: int = PROGRAM_LIMIT
 ) -> Mapping[int, Cfg]:
-    """The graphs of `entry` (a key) and of everything it calls, by key.
+    """The graphs of `entry` (a key) and of everything it calls, by key; see `Graphs`."""
+    return Graphs(binary, control, limit).program(entry)
+
+
+class Graphs:
+    """The graphs of a binary's functions under fixed control facts, each made once whatever entries reach it.
 
     Functions without a way to return are found on the way: calls of them end their path. Functions that reach each
-    other by tail calls alone are a loop, not a recursion: they are put into one graph.
+    other by tail calls alone are a loop, not a recursion: they are put into one graph. Both depend on nothing but what
+    a function reaches, so a graph is the same for every entry.
     """
-    control = control or Control()
-    decoder = Decoder(binary.read_code)
-    cfgs: dict[int, Cfg] = {}
-    while True:
-        _close(binary, entry, control, decoder, cfgs, limit)
-        silent = _without_return(cfgs) - control.no_return
-        if silent:
-            control = replace(control, no_return=control.no_return | silent)
-            affected = [key for key, cfg in cfgs.items() if silent & set(callees(cfg))]
-        else:
-            rings = _tail_rings(cfgs) - control.inline
-            if not rings:
-                return {key: cfgs[key] for key in _reachable(cfgs, entry)}
-            control = replace(control, inline=control.inline | rings)
-            affected = [key for key, cfg in cfgs.items() if rings & set(_tail_callees(cfg))]
-        for key in affected:
-            cfgs[key] = build_cfg(binary, key, control, decoder)
+
+    def __init__(self, binary: Binary, control: Control | None = None, limit: int = PROGRAM_LIMIT) -> None:
+        self._binary, self._control, self._limit = binary, control or Control(), limit
+        self._decoder = Decoder(binary.read_code)
+        self._settled: dict[int, Cfg] = {}
+        self.instructions = 0
+        """how many instructions all graphs hold"""
+
+    def program(self, entry: int) -> Mapping[int, Cfg]:
+        """The graphs of `entry` (a key) and of everything it calls, by key."""
+        if entry not in self._settled:
+            self._settle(entry)
+        return {key: self._settled[key] for key in _reachable(self._settled, entry)}
+
+    def _settle(self, entry: int) -> None:
+        control, cfgs = self._control, dict[int, Cfg]()
+        while True:
+            self._close(entry, control, cfgs)
+            everything = ChainMap(cfgs, self._settled)
+            known = {key: everything[key] for key in _reachable(everything, *cfgs)}
+            silent = _without_return(known) - control.no_return
+            if silent:
+                control = replace(control, no_return=control.no_return | silent)
+                affected = [key for key, cfg in cfgs.items() if silent & set(callees(cfg))]
+            else:
+                rings = _tail_rings(known) - control.inline
+                if not rings:
+                    break
+                control = replace(control, inline=control.inline | rings)
+                affected = [key for key, cfg in cfgs.items() if rings & set(_tail_callees(cfg))]
+            for key in affected:
+                cfgs[key] = build_cfg(self._binary, key, control, self._decoder)
+        self._control = control
+        for key in _reachable(known, entry):
+            if key not in self._settled:
+                self._settled[key] = known[key]
+                self.instructions += _size(known[key])
+
+    def _close(self, entry: int, control: Control, cfgs: dict[int, Cfg]) -> None:
+        """Add the graphs of all functions that are called and not there yet."""
+        work = [entry, *(key for cfg in cfgs.values() for key in callees(cfg))]
+        spent = sum(_size(cfg) for cfg in cfgs.values())
+        while work:
+            key = work.pop()
+            if key in cfgs or key in self._settled:
+                continue
+            limit = max(1, min(INSTRUCTION_LIMIT, self._limit - spent))
+            cfg = build_cfg(self._binary, key, control, self._decoder, limit)
+            spent += _size(cfg)
+            cfgs[key] = cfg
+            work += callees(cfg)
 
 
-def _close(binary: Binary, entry: int, control: Control, decoder: Decoder, cfgs: dict[int, Cfg], limit: int) -> None:
-    """Add the graphs of all functions that are called and not there yet."""
-    work = [entry, *(key for cfg in cfgs.values() for key in callees(cfg))]
-    spent = sum(len(block.instructions) for cfg in cfgs.values() for block in cfg.blocks)
-    while work:
-        key = work.pop()
-        if key in cfgs:
-            continue
-        cfg = build_cfg(binary, key, control, decoder, max(1, min(INSTRUCTION_LIMIT, limit - spent)))
-        spent += sum(len(block.instructions) for block in cfg.blocks)
-        cfgs[key] = cfg
-        work += callees(cfg)
+def _size(cfg: Cfg) -> int:
+    return sum(len(block.instructions) for block in cfg.blocks)
 
 
-def _reachable(cfgs: Mapping[int, Cfg], entry: int) -> list[int]:
+def _reachable(cfgs: Mapping[int, Cfg], *entries: int) -> list[int]:
     seen: dict[int, None] = {}
-    work = [entry]
+    work = list(entries)
     while work:
         key = work.pop()
         if key not in seen:
