@@ -17,6 +17,7 @@ from mauve.wcet.binary.cfg import Control
 from mauve.wcet.binary.elf import Binary
 from mauve.wcet.binary.graph import EXIT, Cfg, UnresolvedKind
 from mauve.wcet.binary.loops import Loop, LoopNest, loop_nest
+from mauve.wcet.binary.microop import IndirectCall, IndirectJump, Instruction
 from mauve.wcet.binary.split import split_irreducible
 from mauve.wcet.flow import effects
 from mauve.wcet.flow.domain import MASK
@@ -48,6 +49,10 @@ MOST_DEPTH = 12
 ROUNDS = 4
 """How often targets of pointers that the analysis found are put into the graphs."""
 MOST_TARGETS = 64
+
+
+Targets = dict[int, tuple[int, ...]]
+"""Of indirect jumps and calls by address: where they go, as keys; empty when that is not known."""
 
 
 class BinaryImage:
@@ -95,14 +100,18 @@ def analyse_program(
     if timeout is not None:
         limits = replace(limits, deadline=monotonic() + timeout)
     given = Given(binary, facts)
-    control = given.control()
-    for _ in range(ROUNDS):
+    stated = given.control()
+    found: Targets = {}
+    for last in (*(False for _ in range(ROUNDS)), True):
+        # Targets that still change when the rounds are over are not known.
+        known = {address: targets for address, targets in found.items() if targets and not last}
+        control = replace(stated, targets={**known, **stated.targets})
         analysis = _Program(binary, entry_key, control, given, initial_data, limits)
         analysis.run()
-        found = analysis.new_targets()
-        if not found:
+        seen = analysis.targets(found, frozenset(stated.targets))
+        if seen == found:
             break
-        control = replace(control, targets={**control.targets, **found})
+        found = seen
     return analysis.flow()
 
 
@@ -281,23 +290,37 @@ class _Program:
                 stack += [(callee, False) for callees in self.done[name].flow.calls.values() for callee in callees]
         return order
 
-    def new_targets(self) -> dict[int, tuple[int, ...]]:
-        """Targets of unresolved branches and calls that are known in every context in use."""
-        by_address: dict[int, set[int] | None] = {}
+    def targets(self, before: Targets, stated: frozenset[int]) -> Targets:
+        """Where branches and calls through pointers go, of those that the graphs alone leave open: all targets in every
+        context in use, and those of earlier rounds. A way found in one round leads to new values in the next: what was
+        found holds only when a round in which it is followed finds nothing else. Empty: not known, and never again.
+        """
+        found: dict[int, set[int] | None] = {
+            address: set(targets) if targets else None for address, targets in before.items()
+        }
         for name in self._used():
             function = self.done[name]
-            for hole in function.flow.cfg.unresolved:
-                if hole.kind not in _POINTERS or hole.address in self.control.targets:
+            cfg = function.flow.cfg
+            holes = {hole.address for hole in cfg.unresolved if hole.kind in _POINTERS}
+            for block in cfg.blocks:
+                last = block.instructions[-1]
+                if last.address in stated or (last.address not in holes and last.address not in before):
                     continue
-                values = None if function.result is None else function.result.targets.get(hole.address)
-                targets = None
-                if values is not None and values.size <= MOST_TARGETS:
-                    targets = set(values.members())
-                    if any(self.binary.read_code(value & ~1, 2) is None for value in targets):
-                        targets = None
-                before = by_address.get(hole.address, set())
-                by_address[hole.address] = None if targets is None or before is None else before | targets
-        return {address: tuple(sorted(targets)) for address, targets in by_address.items() if targets}
+                targets, known = self._keys(function, last), found.get(last.address, set())
+                found[last.address] = None if targets is None or known is None else known | targets
+        return {address: tuple(sorted(targets or ())) for address, targets in found.items()}
+
+    def _keys(self, function: _Function, jump: Instruction) -> set[int] | None:
+        """The targets of an indirect jump or call in one context, as keys; None when they are not known."""
+        values = None if function.result is None else function.result.targets.get(jump.address)
+        if values is None or values.size > MOST_TARGETS:
+            return None
+        match jump.flow:
+            case IndirectJump(exchanges=True) | IndirectCall(exchanges=True):
+                keys = set(values.members())
+            case _:
+                keys = {value & ~1 | jump.thumb for value in values.members()}
+        return None if any(self.binary.read_code(key & ~1, 2) is None for key in keys) else keys
 
     def flow(self) -> ProgramFlow:
         """The result."""
