@@ -6,7 +6,7 @@ The stages are imported when they are needed: a result that the cache holds cost
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from hashlib import sha256
 from pathlib import Path
@@ -19,7 +19,9 @@ from mauve.wcet.result import Problem, ProblemKind, WcetResult
 
 if TYPE_CHECKING:
     from mauve.wcet.binary.elf import Binary, ElfProblem
-    from mauve.wcet.binary.lines import LineTable
+    from mauve.wcet.flow.result import ContextKey, FunctionFlow
+    from mauve.wcet.hardware.core import Core
+    from mauve.wcet.ipet.bottom_up import FunctionBound
 
 
 def analyse(
@@ -53,8 +55,7 @@ def analyse_each(
 ) -> Iterator[WcetResult]:
     """`analyse`, one result at a time as they come."""
     data, identity = _bytes(binary)
-    loaded: Binary | Problem | None = None
-    lines: LineTable | None = None
+    common: _Common | Problem | None = None
     for function in functions:
         key = None
         if cache is not None and identity is not None:
@@ -64,13 +65,10 @@ def analyse_each(
                 yield known
                 continue
         started = time.perf_counter()
-        if loaded is None:
+        if common is None:
             loaded = _load(binary, data)
-        if isinstance(loaded, Problem):
-            result = _failed(function, None, loaded)
-        else:
-            lines = lines or _lines(loaded)
-            result = _analyse_one(loaded, function, board, tuple(facts), initial_data, timeout, lines)
+            common = loaded if isinstance(loaded, Problem) else _Common(loaded, board, tuple(facts), initial_data)
+        result = _failed(function, None, common) if isinstance(common, Problem) else common.analyse(function, timeout)
         result = replace(result, seconds=time.perf_counter() - started)
         # Time or size ended it: another run may come further.
         gave_up = any(problem.kind is ProblemKind.LIMIT for problem in result.problems)
@@ -79,33 +77,50 @@ def analyse_each(
         yield result
 
 
-def _analyse_one(
-    binary: Binary,
-    function: str | int,
-    board: Board,
-    facts: tuple[Fact, ...],
-    initial_data: bool,
-    timeout: float | None,
-    lines: LineTable,
-) -> WcetResult:
-    """One function, from its symbol to its result."""
-    from mauve.wcet.assemble import assemble
-    from mauve.wcet.binary.elf import ElfProblem
-    from mauve.wcet.flow.program import analyse_program
-    from mauve.wcet.hardware.core import load_core
-    from mauve.wcet.hardware.cost import board_problems
-    from mauve.wcet.ipet.bottom_up import bound_program
+class _Common:
+    """What the analyses of several functions of one executable share."""
 
-    symbol = binary.function(function if isinstance(function, str) else f"{function:#x}")
-    if isinstance(symbol, ElfProblem):
-        return _failed(function, None, elf_problem(symbol))
-    core = load_core(board.core)
-    problems = board_problems(board, core)
-    if core is None:
-        return _failed(function, symbol.address, *problems)
-    program = analyse_program(binary, symbol.key, board, facts, initial_data=initial_data, timeout=timeout)
-    bounds = bound_program(program, core, board)
-    return assemble(symbol.name, program, bounds, core, board, problems, lines.source)
+    def __init__(self, binary: Binary, board: Board, facts: tuple[Fact, ...], initial_data: bool) -> None:
+        from mauve.wcet.binary.lines import load_lines
+        from mauve.wcet.flow.program import Programs
+        from mauve.wcet.hardware.core import load_core
+        from mauve.wcet.hardware.cost import board_problems
+
+        self._binary, self._board = binary, board
+        self._core = load_core(board.core)
+        self._problems = board_problems(board, self._core)
+        self._lines = load_lines(binary)
+        self._programs = Programs(binary, facts, initial_data=initial_data, lines=self._lines)
+        self._known: dict[tuple[int, ...], tuple[FunctionFlow, tuple[FunctionBound | None, ...], FunctionBound]] = {}
+
+    def analyse(self, function: str | int, timeout: float | None) -> WcetResult:
+        """One function, from its symbol to its result."""
+        from mauve.wcet.assemble import assemble
+        from mauve.wcet.binary.elf import ElfProblem
+
+        symbol = self._binary.function(function if isinstance(function, str) else f"{function:#x}")
+        if isinstance(symbol, ElfProblem):
+            return _failed(function, None, elf_problem(symbol))
+        core, board = self._core, self._board
+        if core is None:
+            return _failed(function, symbol.address, *self._problems)
+        program = self._programs.program(symbol.key, timeout)
+        bounds: dict[ContextKey, FunctionBound] = {}
+        for key, flow in program.functions.items():
+            bounds[key] = self._bound(flow, core, bounds)
+        return assemble(symbol.name, program, bounds, core, board, self._problems, self._lines.source)
+
+    def _bound(self, flow: FunctionFlow, core: Core, bounds: Mapping[ContextKey, FunctionBound]) -> FunctionBound:
+        """The bound of one function from those of its callees, computed once for the same flow and the same bounds."""
+        from mauve.wcet.ipet.bottom_up import bound_function
+
+        callees = tuple(bounds.get(key) for contexts in flow.calls.values() for key in contexts)
+        identity = (id(flow), *map(id, callees))
+        known = self._known.get(identity)
+        if known is None:
+            # The flow and the bounds are kept with the result: their identities stay theirs.
+            known = self._known[identity] = flow, callees, bound_function(flow, core, self._board, bounds)
+        return known[2]
 
 
 def _bytes(binary: Binary | str | Path) -> tuple[bytes | None, str | None]:
@@ -126,12 +141,6 @@ def _load(binary: Binary | str | Path, data: bytes | None) -> Binary | Problem:
         return binary
     found = load(binary) if data is None else load_bytes(data, str(binary))
     return elf_problem(found) if isinstance(found, ElfProblem) else found
-
-
-def _lines(binary: Binary) -> LineTable:
-    from mauve.wcet.binary.lines import load_lines
-
-    return load_lines(binary)
 
 
 def elf_problem(problem: ElfProblem) -> Problem:

@@ -16,8 +16,8 @@ from mauve.wcet.result import Problem, ProblemKind, WcetResult
 Progress = Callable[[int, int, str], None]
 """Told after each function how many of how many are done, and the name of the last one."""
 
-FEW = 4
-"""So many functions are not worth a second process."""
+FEW = 24
+"""So many functions are not worth a second process: what they have in common would be analysed in each."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -114,11 +114,12 @@ def _computed(
 def _in_processes(
     path: str | Path, functions: Sequence[str | int], settings: Settings, workers: int, missing: list[int]
 ) -> Iterator[tuple[int, WcetResult]]:
-    """Chunks of neighbours, so that a process reads the executable seldom and all have work until the end."""
+    """Chunks of neighbours: they share what they call, which each chunk analyses anew, and all processes have work
+    until the end."""
     from concurrent.futures import ProcessPoolExecutor, as_completed
     from multiprocessing import active_children
 
-    size = max(1, min(16, len(missing) // (4 * workers)))
+    size = max(1, min(64, len(missing) // (3 * workers)))
     chunks = [missing[start : start + size] for start in range(0, len(missing), size)]
     with ProcessPoolExecutor(workers, initializer=_obey_interrupts) as pool:
         try:

@@ -98,7 +98,10 @@ class _Exhausted(Exception):
 
 
 class GaveUp(Exception):
-    """The analysis of a function takes more steps or time than it may."""
+    """The analysis of a function takes more steps or time (`for_time`) than it may."""
+
+    def __init__(self, for_time: bool = False) -> None:
+        self.for_time = for_time
 
 
 class Execution:
@@ -309,8 +312,10 @@ class Execution:
             raise _Exhausted(next(r for r, limit in self.limits if self.steps > limit))
         if not self.limits:
             self.summary_steps += len(instructions) * len(states)
-        if self.summary_steps > self.policy.most or (self.deadline is not None and monotonic() > self.deadline):
+        if self.summary_steps > self.policy.most:
             raise GaveUp
+        if self.deadline is not None and monotonic() > self.deadline:
+            raise GaveUp(for_time=True)
         states = [state.copy() for state in states]
         for instruction in instructions[:-1]:
             states = self._instruction(instruction, states)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from time import monotonic
 
 from mauve.wcet.binary.graph import Cfg
 from mauve.wcet.binary.loops import Loop
@@ -38,6 +37,15 @@ class Limits:
 
 
 @dataclass(slots=True)
+class Attempt:
+    """How far an analysis came: the passes made, the bounds proven elsewhere, all bounds that later passes may use."""
+
+    records: list[Record]
+    bounds: dict[int, LoopBound]
+    known: dict[int, int]
+
+
+@dataclass(slots=True)
 class FunctionResult:
     """What the passes over a function found, best of all; `record` is that of the last pass."""
 
@@ -48,6 +56,7 @@ class FunctionResult:
     targets: dict[int, Range] = field(default_factory=dict)
     unbounded: frozenset[int] = frozenset()
     depth: int | None = None
+    attempt: Attempt | None = None
 
 
 def thresholds(cfg: Cfg) -> list[int]:
@@ -73,35 +82,49 @@ def analyse_function(
     given: Mapping[int, LoopBound],
     ranking: Ranking | None,
     limits: Limits,
+    thorough: bool = True,
+    attempt: Attempt | None = None,
 ) -> FunctionResult:
-    """Analyse a function from an entry state. `given` are bounds proven or stated elsewhere. Raises GaveUp."""
-    known = {loop: bound.bound for loop, bound in given.items()}
+    """Analyse a function from an entry state. `given` are bounds proven or stated elsewhere. Where not `thorough`, a
+    loop that resists ranking arguments stays without a bound, and `attempt` of the result lets a later analysis from
+    the same state go on there. Raises GaveUp."""
+    if attempt is None:
+        attempt = Attempt([], dict(given), {loop: bound.bound for loop, bound in given.items()})
+    records, bounds, known = attempt.records, attempt.bounds, attempt.known
     marks = thresholds(order.cfg)
 
     def execute(stepped: frozenset[int], width: int = 1, steps: int = limits.steps) -> Record:
         policy = Policy(stepped, width, steps, most=limits.most)
         return Execution(order, image, calls, policy, marks, known, limits.deadline).execute(entry.copy())
 
-    records = [execute(frozenset())]
-    bounds = dict(given)
     loops = frozenset(range(len(order.nest.loops)))
     nested = any(loop.parent is not None for loop in order.nest.loops)
+    first = not records
+    if first:
+        records.append(execute(frozenset()))
     try:
-        if _missing(records, known):
+        if first and _missing(records, known):
             records.append(execute(loops, steps=LIGHT))
-        for loop in _missing(records, known):
+        for loop in _missing(records, known) if first else ():
             found = ranking(order.nest.loops[loop], records[0]) if ranking is not None else None
             if found is not None:
                 known[loop] = found[0]
                 bounds[loop] = LoopBound(found[0], Origin.ANALYSIS, found[1])
-        if _missing(records, known) or (nested and _cost(order, records[0], known) <= limits.steps):
+        if (thorough and _missing(records, known)) or (first and nested and _few(order, records, known, limits)):
             records.append(execute(loops))
-        if _missing(records, known):
+        if thorough and _missing(records, known):
             records.append(execute(loops, WIDTH))
-    except GaveUp:
-        if limits.deadline is not None and monotonic() > limits.deadline:
+    except GaveUp as reason:
+        if reason.for_time:
             raise
-    return _merge(order, records, bounds)
+    result = _merge(order, records, bounds)
+    result.attempt = attempt if result.unbounded and not thorough else None
+    return result
+
+
+def _few(order: Order, records: list[Record], known: Mapping[int, int], limits: Limits) -> bool:
+    """Whether stepping through all loops, which gives totals of nests, is within the limits."""
+    return _cost(order, records[0], known) <= limits.steps
 
 
 def _missing(records: list[Record], known: Mapping[int, int]) -> list[int]:

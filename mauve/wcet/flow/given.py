@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 
 from mauve.wcet.binary.cfg import Control
 from mauve.wcet.binary.elf import Binary, ElfProblem
@@ -15,16 +16,23 @@ from mauve.wcet.flow.result import LoopBound
 from mauve.wcet.result import Origin, Problem
 
 
-class Given:
-    """The facts of one analysis; remembers which of them matched something."""
+@dataclass(frozen=True, slots=True)
+class Stated:
+    """What facts say of the loops of one function: bounds by loop, which facts matched, contradictions."""
 
-    def __init__(self, binary: Binary, facts: Sequence[Fact]) -> None:
+    bounds: Mapping[int, LoopBound] = field(default_factory=dict)
+    matched: frozenset[int] = frozenset()
+    problems: tuple[Problem, ...] = ()
+
+
+class Given:
+    """The facts of one analysis."""
+
+    def __init__(self, binary: Binary, facts: Sequence[Fact], lines: LineTable | None = None) -> None:
         self.binary, self.facts = binary, tuple(facts)
         by_line = any(isinstance(p, AtLine) for fact in facts for p in (fact.place, *_targets(fact)))
-        self.lines = load_lines(binary) if by_line else LineTable()
-        self.matched: set[int] = set()
-        self.notes: dict[str, Problem] = {}
-        self.problems: dict[str, Problem] = {}
+        self.lines = (lines or load_lines(binary)) if by_line else LineTable()
+        self.loops = any(isinstance(fact, LoopFact) for fact in self.facts)
 
     def control(self) -> Control:
         """The control facts by address. A function that returns after all is what graphs assume anyway."""
@@ -46,28 +54,25 @@ class Given:
                         pass
         return Control(targets=targets, no_call=frozenset(no_call), no_return=frozenset(no_return))
 
-    def bounds(self, cfg: Cfg, nest: LoopNest) -> dict[int, LoopBound]:
-        """The bounds that facts state for the loops of a function."""
-        if not any(isinstance(fact, LoopFact) for fact in self.facts):
-            return {}
+    def bounds(self, cfg: Cfg, nest: LoopNest) -> Stated:
+        """What facts state for the loops of a function."""
+        if not self.loops or not nest.loops:
+            return Stated()
         found = self._match(cfg, nest, None)
-        self.matched |= found.matched
-        self.problems.update((str(problem), problem) for problem in found.problems)
-        return {
+        bounds = {
             loop: LoopBound(fact.bound, Origin.ANNOTATION, "flow fact", fact.total)
             for loop, fact in found.bounds.items()
             if fact.bound is not None
         }
+        return Stated(bounds, frozenset(found.matched), tuple(found.problems))
 
-    def compare(self, cfg: Cfg, nest: LoopNest, derived: dict[int, int]) -> None:
-        """Remark on facts that allow more than the analysis found."""
-        if any(isinstance(fact, LoopFact) for fact in self.facts):
-            found = self._match(cfg, nest, derived)
-            self.notes.update((str(note), note) for note in found.notes)
+    def compare(self, cfg: Cfg, nest: LoopNest, derived: dict[int, int]) -> tuple[Problem, ...]:
+        """Remarks on facts that allow more than the analysis found."""
+        return tuple(self._match(cfg, nest, derived).notes) if self.loops and nest.loops else ()
 
-    def unused(self) -> tuple[Problem, ...]:
-        """Loop facts that matched no loop."""
-        return unmatched(self.facts, self.matched)
+    def unused(self, matched: set[int]) -> tuple[Problem, ...]:
+        """Loop facts other than those that matched a loop."""
+        return unmatched(self.facts, matched)
 
     def _match(self, cfg: Cfg, nest: LoopNest, derived: dict[int, int] | None) -> Matches:
         return match_facts(self.facts, cfg, nest, self.lines.location, self._symbol, derived)

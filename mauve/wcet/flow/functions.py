@@ -1,0 +1,299 @@
+"""The functions of a binary under fixed control facts: each analysed once from an unknown state, callees first, and
+again for the states in which its callers call it where that leaves a loop without a bound.
+
+What is found out about a function depends on nothing but the function and what it reaches, so several entries share
+it. To keep it so, the limits on contexts count from the function whose analysis asks for them (a `_Family`), and a
+context that such a limit curtailed is kept for that family only.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+
+from mauve.wcet.binary import callgraph
+from mauve.wcet.binary.cfg import Control
+from mauve.wcet.binary.elf import Binary
+from mauve.wcet.binary.graph import Cfg, UnresolvedKind
+from mauve.wcet.binary.loops import Loop, LoopNest, loop_nest
+from mauve.wcet.binary.split import split_irreducible
+from mauve.wcet.flow import effects
+from mauve.wcet.flow.domain import MASK, Range
+from mauve.wcet.flow.effects import UNKNOWN, ProgramCalls, Summary
+from mauve.wcet.flow.execute import GaveUp, Record
+from mauve.wcet.flow.function import Attempt, FunctionResult, Limits, analyse_function
+from mauve.wcet.flow.given import Given, Stated
+from mauve.wcet.flow.order import Order, arrange
+from mauve.wcet.flow.result import AddressRange, FunctionFlow, LoopBound
+from mauve.wcet.flow.state import ABSOLUTE, State, Symbols
+from mauve.wcet.flow.transfer import Image
+from mauve.wcet.flow.values import LoopValues
+from mauve.wcet.result import Origin, Problem, ProblemKind
+
+MOST_CONTEXTS = 24
+"""How many contexts of one function are asked for in the analysis of one other."""
+MOST_VAIN = 3
+"""After so many contexts of a function that bounded no further loop no more are tried."""
+MOST_DEPTH = 12
+"""How many calls deep contexts are followed."""
+POINTERS = (UnresolvedKind.BRANCH, UnresolvedKind.CALL)
+
+Name = tuple[int, tuple[object, ...]]
+"""A function by key, and the fingerprint of the state in which it is entered; empty for any state."""
+
+
+@dataclass(slots=True, eq=False)
+class Analysed:
+    """One function in one context. `flow` is complete but for `calls`: they are in `called`, by edge, as contexts or as
+    the keys of functions that are called in the context for every call. `words` describe the context; `asked` are the
+    contexts that its analysis asked for, directly or not. `targets` None: nothing but the graph is known."""
+
+    flow: FunctionFlow
+    called: Mapping[int, tuple[int | Analysed, ...]]
+    name: Name
+    unbounded: frozenset[int] = frozenset()
+    targets: Mapping[int, Range] | None = None
+    notes: tuple[Problem, ...] = ()
+    words: str = ""
+    summary: Summary = UNKNOWN
+    attempt: Attempt | None = None
+
+
+@dataclass(slots=True)
+class _Family:
+    """The contexts asked for in the analysis of one function from an unknown state; `refused` counts those that a limit
+    forbade."""
+
+    asked: dict[int, dict[Name, Analysed | None]] = field(default_factory=dict)
+    refused: int = 0
+
+    def enter(self, context: Analysed) -> None:
+        """Note that a context is in use, with all that it asked for itself."""
+        mine = self.asked.setdefault(context.name[0], {})
+        if mine.get(context.name) is not context:
+            mine[context.name] = context
+            for called in context.called.values():
+                for inner in called:
+                    if isinstance(inner, Analysed):
+                        self.enter(inner)
+
+
+class Functions:
+    """See the module's description. `curtailed` says that time ended an analysis: nothing here should be used again."""
+
+    def __init__(self, binary: Binary, image: Image, control: Control, given: Given, limits: Limits) -> None:
+        self.graphs = callgraph.Graphs(binary, control)
+        self.image, self.given, self.limits = image, given, limits
+        self.symbols = Symbols()
+        self.cfgs: dict[int, Cfg] = {}
+        self.nests: dict[int, LoopNest] = {}
+        self.orders: dict[int, Order] = {}
+        self.stated: dict[int, Stated] = {}
+        self.summaries: dict[int, Summary] = {}
+        self.cyclic: set[int] = set()
+        self.quick: dict[int, Analysed] = {}
+        self.thorough: dict[int, Analysed] = {}
+        self.contexts: dict[Name, Analysed] = {}
+        self.curtailed = False
+
+    def settle(self, entry: int, deadline: float | None) -> callgraph.Order:
+        """Analyse everything that `entry` reaches and that is not known yet; the functions, callees first."""
+        self.limits = replace(self.limits, deadline=deadline)
+        graphs = self.graphs.program(entry)
+        for key, cfg in graphs.items():
+            if key not in self.cfgs:
+                self.cfgs[key] = split_irreducible(cfg)
+        order = callgraph.order({key: self.cfgs[key] for key in graphs})
+        self.cyclic.update(key for cycle in order.cycles for key in cycle.members)
+        for key in order.functions:
+            if key in self.cyclic:
+                self.summaries[key] = UNKNOWN
+            elif key not in self.summaries:
+                found = self.quick[key] = self._analyse((key, ()), State(self.symbols), 0, _Family(), False)
+                self.summaries[key] = found.summary
+        return order
+
+    def default(self, key: int) -> Analysed | None:
+        """The function in the context that covers every call, with all effort; None for members of a recursion."""
+        quick = self.quick.get(key)
+        if quick is None or not quick.unbounded:
+            return quick
+        if key not in self.thorough:
+            self.thorough[key] = self._analyse((key, ()), State(self.symbols), 0, _Family(), True, quick.attempt)
+            quick.attempt = None
+        return self.thorough[key]
+
+    def from_state(self, key: int, state: State) -> Analysed:
+        """The function entered in a state, with all effort."""
+        return self._analyse((key, ()), state, 0, _Family(), True)
+
+    # ------------------------------------------------------------------------------------------------ one function
+    def _analyse(
+        self,
+        name: Name,
+        state: State,
+        depth: int,
+        family: _Family,
+        thorough: bool,
+        attempt: Attempt | None = None,
+    ) -> Analysed:
+        cfg, nest = self.cfgs[name[0]], self._nest(name[0])
+        bare = self._bare(name, cfg, nest)
+        if nest.irreducible or not cfg.blocks:
+            return bare
+        try:
+            return self._full(name, cfg, nest, state, depth, family, thorough, attempt)
+        except GaveUp as reason:
+            self.curtailed = self.curtailed or reason.for_time
+            message = f"the analysis of {cfg.name} takes more steps or time than allowed"
+            problem = Problem(ProblemKind.LIMIT, message, cfg.address, cfg.name)
+            return replace(bare, flow=replace(bare.flow, problems=(problem,)))
+
+    def _nest(self, key: int) -> LoopNest:
+        if key not in self.nests:
+            self.nests[key] = loop_nest(self.cfgs[key])
+        return self.nests[key]
+
+    def _bare(self, name: Name, cfg: Cfg, nest: LoopNest) -> Analysed:
+        """A function of which only the graph is known."""
+        called = {index: edge.callees for index, edge in enumerate(cfg.edges) if edge.callees}
+        return Analysed(FunctionFlow(cfg, nest, {}, frozenset(), {}, {}), called, name)
+
+    def _full(
+        self,
+        name: Name,
+        cfg: Cfg,
+        nest: LoopNest,
+        state: State,
+        depth: int,
+        family: _Family,
+        thorough: bool,
+        attempt: Attempt | None,
+    ) -> Analysed:
+        key = cfg.key
+        if key not in self.orders:
+            self.orders[key] = arrange(cfg, nest)
+            self.stated[key] = self.given.bounds(cfg, nest)
+        wanted = frozenset(k for k in callgraph.callees(cfg) if self._incomplete(k))
+        calls = ProgramCalls(self.summaries, wanted)
+
+        def ranking(loop: Loop, record: Record) -> tuple[int, str] | None:
+            from mauve.wcet.flow.ranking import bound_by_ranking
+
+            found = bound_by_ranking(cfg, nest, loop, LoopValues(record, loop.id, self.image))
+            return None if found is None else (found.bound, found.method)
+
+        stated = _smallest(self.stated[key].bounds, _library(cfg, nest))
+        order = self.orders[key]
+        result = analyse_function(order, state, self.image, calls, stated, ranking, self.limits, thorough, attempt)
+        derived = {loop: bound.bound for loop, bound in result.bounds.items() if bound.origin is not Origin.ANNOTATION}
+        called = self._contexts(cfg, result, depth, family)
+        flow = FunctionFlow(
+            cfg,
+            nest,
+            result.bounds,
+            result.infeasible,
+            {
+                at: AddressRange(low, high)
+                for at, (region, low, high) in result.accesses.items()
+                if region == ABSOLUTE and high <= MASK
+            },
+            {},
+            tuple(self._unbounded(cfg, nest, loop) for loop in sorted(result.unbounded)),
+            result.depth,
+        )
+        return Analysed(
+            flow,
+            called,
+            name,
+            result.unbounded,
+            result.targets,
+            self.given.compare(cfg, nest, derived),
+            summary=effects.summarise(result.record),
+            attempt=result.attempt,
+        )
+
+    def _unbounded(self, cfg: Cfg, nest: LoopNest, loop: int) -> Problem:
+        block = cfg.blocks[nest.loops[loop].header]
+        message = f"no bound was found for the loop at {block.address:#x} in {cfg.name}"
+        return Problem(ProblemKind.LOOP, message, block.address, cfg.name)
+
+    # ------------------------------------------------------------------------------------------------ contexts
+    def _incomplete(self, key: int) -> bool:
+        """Whether the function, or something that it calls, might gain from knowing its caller."""
+        quick = self.quick.get(key)
+        if quick is None or quick.targets is None:
+            return False
+        if quick.unbounded or any(hole.kind in POINTERS for hole in quick.flow.cfg.unresolved):
+            return True
+        called = (callee for callees in quick.called.values() for callee in callees)
+        return any(isinstance(callee, Analysed) or self._incomplete(callee) for callee in called)
+
+    def _contexts(
+        self, cfg: Cfg, result: FunctionResult, depth: int, family: _Family
+    ) -> dict[int, tuple[int | Analysed, ...]]:
+        found = {}
+        for index, edge in enumerate(cfg.edges):
+            if edge.callees:
+                states = ((key, result.record.calls.get((index, key))) for key in edge.callees)
+                found[index] = tuple(self._context(key, state, depth, family) for key, state in states)
+        return found
+
+    def _context(self, key: int, state: State | None, depth: int, family: _Family) -> int | Analysed:
+        """The context of a callee for an entry state, or its key: the context for all calls, unless that is
+        incomplete."""
+        if state is None:
+            return key
+        name = (key, effects.fingerprint(state))
+        mine = family.asked.setdefault(key, {})
+        known = mine.get(name)
+        if known is None and not self._promising(key, state, depth, family):
+            return key
+        if known is None:
+            known = self.contexts.get(name)
+        if known is None:
+            refused = family.refused
+            mine[name] = None
+            known = self._analyse(name, state, depth + 1, family, True)
+            known.words = effects.describe(state)
+            if family.refused == refused:
+                self.contexts[name] = known
+        family.enter(known)
+        return known
+
+    def _promising(self, key: int, state: State, depth: int, family: _Family) -> bool:
+        """Whether one more context of a function is worth its time."""
+        if not effects.describe(state) and not any(state.memory.values()):
+            return False
+        mine = family.asked.get(key, {})
+        quick = self.quick[key]
+        vain = len(mine) >= MOST_VAIN and all(self._no_better(inside, quick) for inside in mine.values())
+        if depth < MOST_DEPTH and len(mine) < MOST_CONTEXTS and not vain:
+            return True
+        family.refused += 1
+        return False
+
+    @staticmethod
+    def _no_better(inside: Analysed | None, default: Analysed) -> bool:
+        """Whether a context left open what was open without it."""
+        return inside is None or inside.targets is None or inside.unbounded >= default.unbounded
+
+
+def _library(cfg: Cfg, nest: LoopNest) -> dict[int, LoopBound]:
+    """Bounds of the loops of known helpers."""
+    if not nest.loops:
+        return {}
+    from mauve.wcet.flow.library import library_bound
+
+    found = {loop.id: library_bound(cfg, loop) for loop in nest.loops}
+    return {
+        loop: LoopBound(known.bound, Origin.LIBRARY, known.method) for loop, known in found.items() if known is not None
+    }
+
+
+def _smallest(first: Mapping[int, LoopBound], second: dict[int, LoopBound]) -> dict[int, LoopBound]:
+    result = dict(first)
+    for loop, bound in second.items():
+        if loop not in result or bound.bound < result[loop].bound:
+            result[loop] = bound
+    return result
