@@ -221,13 +221,20 @@ class Functions:
     # ------------------------------------------------------------------------------------------------ contexts
     def _incomplete(self, key: int) -> bool:
         """Whether the function, or something that it calls, might gain from knowing its caller."""
-        quick = self.quick.get(key)
-        if quick is None or quick.targets is None:
-            return False
-        if quick.unbounded or any(hole.kind in POINTERS for hole in quick.flow.cfg.unresolved):
-            return True
-        called = (callee for callees in quick.called.values() for callee in callees)
-        return any(isinstance(callee, Analysed) or self._incomplete(callee) for callee in called)
+        seen, waiting = {key}, [key]
+        while waiting:
+            quick = self.quick.get(waiting.pop())
+            if quick is None or quick.targets is None:
+                continue
+            if quick.unbounded or any(hole.kind in POINTERS for hole in quick.flow.cfg.unresolved):
+                return True
+            for callee in (callee for callees in quick.called.values() for callee in callees):
+                if isinstance(callee, Analysed):
+                    return True
+                if callee not in seen:
+                    seen.add(callee)
+                    waiting.append(callee)
+        return False
 
     def _contexts(
         self, cfg: Cfg, result: FunctionResult, depth: int, family: _Family
