@@ -298,6 +298,15 @@ def add(x: Range, y: Range) -> Range:
     return progression(x.low + y.low, step, (x.span + y.span) // step)
 
 
+def shift(x: Range, number: int) -> Range:
+    """All sums with one number."""
+    if x.n == MASK:
+        return x
+    if x.values is not None:
+        return of(value + number for value in x.values)
+    return progression(x.low + number, x.step, x.n)
+
+
 def scale(x: Range, factor: int) -> Range:
     """All multiples by one integer (negative ones allowed)."""
     if factor == 1:

@@ -62,22 +62,23 @@ def sub(a: Value, b: Value) -> Value:
 
 
 def _merge(a: tuple[int, ...], b: tuple[int, ...], factor: int) -> Value:
-    terms = dict(zip(a[1::2], a[2::2], strict=True))
-    for symbol, times in zip(b[1::2], b[2::2], strict=True):
-        total = (terms.get(symbol, 0) + factor * times) & MASK
-        if total & SIGN:
-            total -= MASK + 1
-        if total:
-            terms[symbol] = total
-        else:
-            terms.pop(symbol, None)
-    number = (a[0] + factor * b[0]) & MASK
-    if not terms:
-        return number
-    result = [number]
-    for symbol in sorted(terms):
-        result += (symbol, terms[symbol])
-    return tuple(result)
+    """a + factor * b."""
+    result = [(a[0] + factor * b[0]) & MASK]
+    i, j, end, other_end = 1, 1, len(a), len(b)
+    while j < other_end:
+        symbol, times = b[j], factor * b[j + 1]
+        while i < end and a[i] < symbol:
+            result += a[i : i + 2]
+            i += 2
+        if i < end and a[i] == symbol:
+            times += a[i + 1]
+            i += 2
+        times &= MASK
+        if times:
+            result += (symbol, times - MASK - 1 if times & SIGN else times)
+        j += 2
+    result += a[i:]
+    return result[0] if len(result) == 1 else tuple(result)
 
 
 def scale(a: Value, factor: int) -> Value:
@@ -110,6 +111,8 @@ def factor_of(a: Value, symbol: int) -> int:
     if type(a) is int:
         return 0
     assert type(a) is tuple
+    if len(a) == 3:
+        return a[2] if a[1] == symbol else 0
     for i in range(1, len(a), 2):
         if a[i] == symbol:
             return a[i + 1]

@@ -98,8 +98,9 @@ class State:
         if type(value) is int:
             return 0
         result = 0
-        for symbol in linear.symbols(value):
-            result |= _ENTRY_MASK[symbol] if symbol < FIRST_FRESH else self.taints.get(symbol, 0)
+        taints = self.taints
+        for symbol in value[1::2]:  # type: ignore[index]
+            result |= _ENTRY_MASK[symbol] if symbol < FIRST_FRESH else taints.get(symbol, 0)
         return result
 
     def tainted(self, value: Value, mask: int) -> Value:
@@ -126,7 +127,7 @@ class State:
             known = ranges.get(value[1], TOP)
             if value[2] != 1:
                 known = domain.scale(known, value[2])
-            return domain.add(known, Range(value[0], 0, 0)) if value[0] else known
+            return domain.shift(known, value[0]) if value[0] else known
         total = Range(value[0], 0, 0)
         for i in range(1, len(value), 2):
             total = domain.add(total, domain.scale(ranges.get(value[i], TOP), value[i + 1]))
@@ -196,12 +197,14 @@ class State:
         """Write another value for a symbol wherever it stands, and remember that they are equal."""
         self.pins = {s: linear.substitute(v, symbol, number) for s, v in self.pins.items()}
         self.pins[symbol] = number
-        self.regs = [linear.substitute(v, symbol, number) if type(v) is not int else v for v in self.regs]
+        for index, value in enumerate(self.regs):
+            if type(value) is not int and symbol in value:  # type: ignore[operator]
+                self.regs[index] = linear.substitute(value, symbol, number)
         if self.origin is not None:
             kind, a, b = self.origin
             self.origin = (kind, linear.substitute(a, symbol, number), linear.substitute(b, symbol, number))
         for region, cells in list(self.memory.items()):
-            found = [(o, c) for o, c in cells.items() if type(c[1]) is not int and linear.factor_of(c[1], symbol)]
+            found = [(o, c) for o, c in cells.items() if type(c[1]) is not int and symbol in c[1]]  # type: ignore[operator]
             for offset, (size, value) in found:
                 self.cells(region)[offset] = (size, linear.substitute(value, symbol, number))
 
