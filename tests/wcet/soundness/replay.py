@@ -1,0 +1,256 @@
+"""Executions retraced in the graphs of the analysis: context by context, edge by edge.
+
+An execution is recorded in the emulator, instruction by instruction with its memory accesses, and then walked along
+the graphs of the functions in the contexts that flow analysis assigned to their calls. What the analysis calls
+impossible and what it bounds is checked at every step.
+"""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+from emulator import Argument, Emulator
+
+from mauve.wcet.binary.graph import EXIT, EdgeKind
+from mauve.wcet.binary.microop import Condition, Load, Store
+from mauve.wcet.flow.result import ContextKey, FunctionFlow, ProgramFlow
+from mauve.wcet.ipet.bottom_up import FunctionBound
+
+RETURN_TO = 0x7000_0000
+Access = tuple[int, int]
+
+
+@dataclass(frozen=True, slots=True)
+class Recording:
+    """The addresses of the instructions issued, in order, and the (address, size) of the accesses of each."""
+
+    addresses: list[int]
+    accesses: dict[int, list[Access]]
+
+
+def record(emulator: Emulator, function: str, arguments: Sequence[Argument], most: int = 400_000) -> Recording:
+    """Run a function; EmulationError when it does not return."""
+    from unicorn import UC_HOOK_CODE, UC_HOOK_MEM_READ, UC_HOOK_MEM_WRITE
+
+    addresses: list[int] = []
+    accesses: dict[int, list[Access]] = {}
+    uc: Any = emulator._uc
+
+    def on_code(_uc: Any, address: int, _size: int, _data: object) -> None:
+        addresses.append(address)
+
+    def on_memory(_uc: Any, _kind: int, address: int, size: int, _value: int, _data: object) -> None:
+        accesses.setdefault(len(addresses) - 1, []).append((address, size))
+
+    hooks = [uc.hook_add(UC_HOOK_CODE, on_code), uc.hook_add(UC_HOOK_MEM_READ | UC_HOOK_MEM_WRITE, on_memory)]
+    try:
+        emulator.call(function, arguments, max_instructions=most)
+    finally:
+        for hook in hooks:
+            uc.hook_del(hook)
+    while addresses and addresses[-1] == RETURN_TO:
+        addresses.pop()
+    return Recording(addresses, accesses)
+
+
+@dataclass(slots=True)
+class _Plan:
+    """A function in one context, indexed for walking."""
+
+    flow: FunctionFlow
+    own: tuple[tuple[int, ...], ...]
+    """cycles of every edge, per board"""
+    addresses: list[tuple[int, ...]]
+    steps: list[tuple[tuple[int, bool], ...]]
+    """per block the addresses, and whether the instruction may be missing in a recording"""
+    edges: dict[int, list[int]]
+    enters: dict[int, list[int]]
+    repeats: dict[int, list[int]]
+    ranges: dict[int, list[tuple[int, int]]]
+
+
+def _plan(flow: FunctionFlow, bounds: Sequence[FunctionBound | None]) -> _Plan:
+    edges, enters, repeats = defaultdict(list), defaultdict(list), defaultdict(list)
+    for index, edge in enumerate(flow.cfg.edges):
+        edges[edge.source].append(index)
+    for number, loop in enumerate(flow.nest.loops):
+        for index in loop.entry_edges:
+            enters[index].append(number)
+        for index in loop.back_edges:
+            repeats[index].append(number)
+    ranges = {}
+    for block in flow.cfg.blocks:
+        for instruction in block.instructions:
+            keys = [(instruction.address, k) for k, op in enumerate(instruction.ops) if isinstance(op, Load | Store)]
+            if keys and all(key in flow.accesses for key in keys):
+                ranges[instruction.address] = [(flow.accesses[key].low, flow.accesses[key].high) for key in keys]
+    own = tuple(b.own if b is not None else () for b in bounds)
+    addresses = [tuple(i.address for i in block.instructions) for block in flow.cfg.blocks]
+    steps = [
+        tuple((i.address, i.thumb and i.condition is not Condition.AL) for i in block.instructions)
+        for block in flow.cfg.blocks
+    ]
+    return _Plan(flow, own, addresses, steps, edges, enters, repeats, ranges)
+
+
+@dataclass(slots=True)
+class _Frame:
+    """One execution of a function: where it is, and how often its loops ran since they were entered, and in all."""
+
+    name: ContextKey
+    plan: _Plan
+    block: int
+    back_to: frozenset[int]
+    """addresses to which it may return: several where a helper comes back behind a table"""
+    calling: tuple[int, ...] = ()
+    """the edges of a call that is under way, one of which will have been taken"""
+    counts: dict[int, int] = field(default_factory=dict)
+    totals: dict[int, int] = field(default_factory=lambda: defaultdict(int))
+
+
+@dataclass(slots=True)
+class Replay:
+    """Walks executions through one analysed program. `wrong` collects every contradiction; `seen` the greatest count
+    of every loop (function in context, number of the loop) per entry and in all."""
+
+    program: ProgramFlow
+    bounds: Sequence[Mapping[ContextKey, FunctionBound]]
+    wrong: list[str] = field(default_factory=list)
+    seen: dict[tuple[ContextKey, int], tuple[int, int]] = field(default_factory=dict)
+    _plans: dict[ContextKey, _Plan] = field(default_factory=dict)
+
+    @property
+    def holes(self) -> bool:
+        """Whether a graph is incomplete: there is no bound then, and what lies behind the hole is not analysed."""
+        return any(flow.cfg.unresolved for flow in self.program.functions.values())
+
+    def walk(self, run: Recording) -> tuple[int, ...] | None:
+        """The cycles of an execution on every board, by the costs of its edges; None where it leaves the graphs."""
+        cycles = [0] * len(self.bounds)
+        frames = [self._enter(self.program.entry, frozenset({RETURN_TO}))]
+        at, trace = 0, run.addresses
+        while frames:
+            frame = frames[-1]
+            if frame.calling:
+                following = trace[at] if at < len(trace) else RETURN_TO
+                fits = [e for e in frame.calling if frame.plan.addresses[frame.plan.flow.cfg.edges[e].target][0] == following]
+                frame.calling = ()
+            else:
+                after = self._through(frame, run, at)
+                if after is None:
+                    return None
+                at = after
+                following = trace[at] if at < len(trace) else RETURN_TO
+                fits = self._fitting(frame, following)
+                if any(frame.plan.flow.cfg.edges[e].kind is EdgeKind.CALL for e in fits):
+                    frame.calling = tuple(fits)
+                    frames.append(self._called(frame, fits, following))
+                    continue
+            edge = self._edge(frame, fits, following)
+            if edge is None:
+                return None
+            for board, own in enumerate(frame.plan.own):
+                cycles[board] += own[edge] if own else 0
+            kind, target = frame.plan.flow.cfg.edges[edge].kind, frame.plan.flow.cfg.edges[edge].target
+            if target != EXIT:
+                self._pass(frame, edge, target)
+                continue
+            frames.pop()
+            if kind is EdgeKind.TAIL_CALL:
+                frames.append(self._called(frame, [edge], following))
+        if at != len(trace):
+            self.wrong.append(f"returned {len(trace) - at} instructions early")
+        return tuple(cycles)
+
+    def _through(self, frame: _Frame, run: Recording, at: int) -> int | None:
+        """Past the block where a frame is. The emulator does not show the instructions of an IT block that it skips."""
+        trace = run.addresses
+        for address, optional in frame.plan.steps[frame.block]:
+            if at < len(trace) and trace[at] == address:
+                self._check_access(frame, run, at, address)
+                at += 1
+            elif not optional:
+                what = f"{address:#x} expected, {hex(trace[at]) if at < len(trace) else 'the end'} executed"
+                self._tell(frame, what)
+                return None
+        return at
+
+    def _enter(self, name: ContextKey, back_to: frozenset[int]) -> _Frame:
+        if name not in self._plans:
+            self._plans[name] = _plan(self.program.functions[name], [b.get(name) for b in self.bounds])
+        plan = self._plans[name]
+        frame = _Frame(name, plan, plan.flow.cfg.entry, back_to)
+        for number, loop in enumerate(plan.flow.nest.loops):
+            if loop.header == plan.flow.cfg.entry:
+                self._count(frame, number, 1)
+        return frame
+
+    def _called(self, frame: _Frame, edges: list[int], callee: int) -> _Frame:
+        """The frame of a callee; a tail call returns where its caller would."""
+        all_edges = frame.plan.flow.cfg.edges
+        keys = all_edges[edges[0]].callees
+        (which,) = (k for k, key in enumerate(keys) if key & ~1 == callee)
+        back = frozenset(frame.plan.addresses[all_edges[e].target][0] for e in edges if all_edges[e].target != EXIT)
+        return self._enter(frame.plan.flow.calls[edges[0]][which], back or frame.back_to)
+
+    def _fitting(self, frame: _Frame, following: int) -> list[int]:
+        """The edges of a block that go on at an address."""
+        cfg, fits = frame.plan.flow.cfg, []
+        for index in frame.plan.edges[frame.block]:
+            edge = cfg.edges[index]
+            if edge.callees:
+                fit = any(key & ~1 == following for key in edge.callees)
+            elif edge.target == EXIT:
+                fit = following in frame.back_to and edge.kind is EdgeKind.RETURN
+            else:
+                fit = frame.plan.addresses[edge.target][0] == following
+            if fit:
+                fits.append(index)
+        return fits
+
+    def _edge(self, frame: _Frame, fits: list[int], following: int) -> int | None:
+        """A feasible one of the edges that fit, unless there is none."""
+        feasible = [index for index in fits if index not in frame.plan.flow.infeasible]
+        if feasible:
+            return feasible[0]
+        last = frame.plan.addresses[frame.block][-1]
+        self._tell(frame, f"{last:#x} -> {following:#x} {'is called infeasible' if fits else 'is no edge'}")
+        return None
+
+    def _pass(self, frame: _Frame, edge: int, target: int) -> None:
+        frame.block = target
+        for number in frame.plan.enters.get(edge, ()):
+            self._count(frame, number, 1)
+        for number in frame.plan.repeats.get(edge, ()):
+            self._count(frame, number, frame.counts.get(number, 0) + 1)
+
+    def _count(self, frame: _Frame, number: int, count: int) -> None:
+        frame.counts[number] = count
+        frame.totals[number] += 1
+        per_entry, total = self.seen.get((frame.name, number), (0, 0))
+        bound = frame.plan.flow.bounds.get(number)
+        if count > per_entry or frame.totals[number] > total:
+            self.seen[frame.name, number] = max(per_entry, count), max(total, frame.totals[number])
+            header = frame.plan.addresses[frame.plan.flow.nest.loops[number].header][0]
+            if bound is not None and count > bound.bound:
+                self._tell(frame, f"loop {header:#x} ran {count} times, bound {bound.bound} ({bound.method})")
+            if bound is not None and bound.total is not None and frame.totals[number] > bound.total:
+                self._tell(frame, f"loop {header:#x} ran {frame.totals[number]} times in all, total {bound.total}")
+
+    def _check_access(self, frame: _Frame, run: Recording, at: int, address: int) -> None:
+        ranges = frame.plan.ranges.get(address)
+        for low, size in run.accesses.get(at, ()) if ranges else ():
+            if not any(first <= low and low + size - 1 <= last for first, last in ranges or ()):
+                said = ", ".join(f"{a:#x}..{b:#x}" for a, b in ranges or ())
+                self._tell(frame, f"{address:#x} touches {low:#x}, said to stay in {said}")
+
+    def _tell(self, frame: _Frame, what: str) -> None:
+        cfg = frame.plan.flow.cfg
+        text = f"{cfg.name}[{frame.name[1]}]: {what}"
+        if self.holes:
+            return
+        if text not in self.wrong and len(self.wrong) < 20:
+            self.wrong.append(text)
