@@ -54,7 +54,7 @@ def edge_costs(
             made = _block_steps(cfg, block, core, memory, accesses, problems)
             if made is not None:
                 steps[block.id] = made
-    if problems:
+    if problems or not cfg.blocks:
         return EdgeCosts((), tuple(problems))
     worst = [0] * len(cfg.edges)
     outgoing: dict[int, list[int]] = {}
