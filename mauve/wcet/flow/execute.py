@@ -33,7 +33,7 @@ from mauve.wcet.flow import closed_form, domain, flags, joining, linear
 from mauve.wcet.flow.closed_form import Stay
 from mauve.wcet.flow.domain import Range
 from mauve.wcet.flow.joining import Header
-from mauve.wcet.flow.linear import FRAME, Value
+from mauve.wcet.flow.linear import FIRST_FRESH, FRAME, Value
 from mauve.wcet.flow.order import FUNCTION, Order
 from mauve.wcet.flow.state import MASK_OF_ALL, State
 from mauve.wcet.flow.transfer import Image, run
@@ -131,6 +131,7 @@ class Execution:
     def execute(self, entry: State) -> Record:
         """Execute from the function's entry; the record is complete."""
         record = self.record = Record()
+        entry.symbols.floor = FIRST_FRESH
         leaving, back = self._region(FUNCTION, [entry])
         for index, states in leaving.items():
             if self.order.cfg.edges[index].target == EXIT:
@@ -248,10 +249,13 @@ class Execution:
 
     def _try(self, loop: int, state: State) -> tuple[State | None, list[Stay]]:
         """One pass from a header state: the state at the back edges, and the conditions for going on."""
-        outer = self.stays
-        self.stays = {loop: []}
-        _, back = self._region(loop, [state.copy()])
-        found, self.stays = self.stays[loop], outer
+        outer, floor, symbols = self.stays, state.symbols.floor, state.symbols
+        self.stays, symbols.floor = {loop: []}, symbols.fresh()
+        try:
+            _, back = self._region(loop, [state.copy()])
+            found = self.stays[loop]
+        finally:
+            self.stays, symbols.floor = outer, floor
         return (joining.join_all(back) if back else None), found
 
     def _header(self, loop: int, entry: State) -> tuple[Header | None, int | None]:

@@ -78,7 +78,7 @@ class _Pairs:
     def __init__(self, a: State, b: State, new: State) -> None:
         self.a, self.b, self.new = a, b, new
         self.indicator: int | None = None
-        self.known: dict[tuple[Value, Value], Value] = {}
+        self.known: dict[tuple[Value, Value], Value | None] = {}
 
     def value(self, x: Value, y: Value) -> Value:
         if x == y or self.b.pinned(x) == y:
@@ -95,10 +95,22 @@ class _Pairs:
         key = (linear.sub(x, offset), linear.sub(y, offset))
         found = self.known.get(key)
         if found is None:
+            found = self.known[key] = self._named(*key)
+        if found is None:
             found = self.new.fresh(domain.join(self.a.range_of(key[0]), self.b.range_of(key[1])))
             found = self.new.tainted(found, self.a.mask(key[0]) | self.b.mask(key[1]))
             self.known[key] = found
         return linear.add(found, offset)
+
+
+    def _named(self, x: Value, y: Value) -> Value | None:
+        """The symbol that both states have come to express by others, and that is x in one and y in the other."""
+        mine, theirs = self.a.pins, self.b.pins
+        for symbol in mine.keys() & theirs.keys() if type(x) is not int and type(y) is not int else ():
+            distance = linear.sub(x, mine[symbol])
+            if type(distance) is int and distance == linear.sub(y, theirs[symbol]):
+                return linear.add((0, symbol, 1), distance)
+        return None
 
 
 def _common(x: Value, y: Value) -> Value:

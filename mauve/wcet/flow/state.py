@@ -36,10 +36,12 @@ Origin = tuple[FlagKind, Value, Value]
 
 
 class Symbols:
-    """A source of fresh symbols."""
+    """A source of fresh symbols. Those from `floor` on were made in the current pass through a loop: older ones stand
+    in the loop's header, where their meaning counts."""
 
     def __init__(self) -> None:
         self._next = count(linear.FIRST_FRESH)
+        self.floor = linear.FIRST_FRESH
 
     def fresh(self) -> int:
         """A symbol never given before."""
@@ -148,8 +150,11 @@ class State:
             return (value - low) & MASK <= length
         assert type(value) is tuple
         known = self.range_of(value)
-        if domain.clip(known, low, high) is None:
+        inside = domain.clip(known, low, high)
+        if inside is None:
             return False
+        if len(value) > 3 and inside.span < known.span and self._name(value, inside):
+            return True
         for i in range(1, len(value), 2):
             symbol, factor = value[i], value[i + 1]
             rest = self.range_of(linear.add(value, linear.scale((0, symbol, 1), -factor)))
@@ -159,6 +164,23 @@ class State:
             if not self._require_term(symbol, factor, start & MASK, (start + length + rest.span) & MASK):
                 return False
         return True
+
+    def _name(self, value: tuple[int, ...], known: Range) -> bool:
+        """Note a range for an expression of several symbols: it becomes a symbol of its own, and an unlimited one of
+        those in it, of which nothing can be lost, is expressed by the new one. False where there is none."""
+        if linear.factor_of(value, FRAME):
+            return False
+        for i in range(len(value) - 2, 0, -2):
+            symbol, factor = value[i], value[i + 1]
+            free = symbol >= self.symbols.floor and symbol not in self.memory and symbol not in self.pins
+            if free and abs(factor) == 1 and self.ranges.get(symbol, TOP).is_top:
+                named = self.fresh(known)
+                if type(named) is not int:
+                    self.taints[linear.symbols(named)[0]] = self.mask(value)
+                rest = linear.sub(value, (0, symbol, factor))
+                self._replace(symbol, self.limited(linear.scale(linear.sub(named, rest), factor)))
+                return True
+        return False
 
     def _require_term(self, symbol: int, factor: int, low: int, high: int) -> bool:
         known = self.ranges.get(symbol, TOP)
@@ -241,7 +263,11 @@ class State:
         assert type(value) is tuple
         if len(value) != 3:
             known = self.range_of(value)
-            return not (known.n == 0 and known.low == number)
+            if known.n == 0 and known.low == number:
+                return False
+            if known.is_top and value in self.regs:
+                self._name(value, domain.between(number + 1, number - 1))
+            return True
         offset, symbol, factor = value
         known = self.ranges.get(symbol, TOP)
         target = (number - offset) & MASK

@@ -21,7 +21,7 @@ from mauve.wcet.binary.microop import (
 )
 from mauve.wcet.flow import domain, flags, linear
 from mauve.wcet.flow.domain import MASK, SIGN, TOP, Range
-from mauve.wcet.flow.linear import FRAME, Value
+from mauve.wcet.flow.linear import FRAME, MOST_TERMS, Value
 from mauve.wcet.flow.state import State
 
 
@@ -139,7 +139,7 @@ def _linear(state: State, op: Op, a: Value, b: Value) -> Value | None:
         fixed_a = state.constant_of(a)
         if fixed_b is None:
             a, b, fixed_a, fixed_b = b, a, fixed_b, fixed_a
-        return None if fixed_b is None else _masked(state, op, a, fixed_b)
+        return _combined(state, op, a, b) if fixed_b is None else _masked(state, op, a, fixed_b)
     if fixed_b is None or op not in (Op.SHL, Op.LSR, Op.ASR):
         return None
     amount = fixed_b & 0xFF
@@ -159,6 +159,16 @@ def _linear(state: State, op: Op, a: Value, b: Value) -> Value | None:
 
 def _hull(known: Range) -> Range:
     return known if known.values is None else Range(known.low, known.step, known.n)
+
+
+def _combined(state: State, op: Op, a: Value, b: Value) -> Value | None:
+    """Bits of two values put together are their sum where they have none in common."""
+    if op is Op.AND:
+        return None
+    common = domain.bit_and(_hull(state.range_of(a)), _hull(state.range_of(b)))
+    total = linear.add(a, b)
+    short = type(total) is int or len(total) <= 2 * MOST_TERMS + 1  # type: ignore[arg-type]
+    return total if common.n == 0 and common.low == 0 and short else None
 
 
 def _masked(state: State, op: Op, a: Value, mask: int) -> Value | None:
