@@ -27,7 +27,7 @@ def command(compiler: str, output: Path) -> list[str]:
     files = (*LINK, f"-ffile-prefix-map={HERE}=.", *SOURCES, "-o", str(output))
     if compiler == "gcc":
         target = ("-mcpu=arm926ej-s", "-marm", "-mfloat-abi=soft", "-nostdlib")
-        loops = ("-fno-ivopts", "-fno-tree-loop-distribute-patterns")
+        loops = ("-fno-tree-loop-distribute-patterns",)
         return ["arm-none-eabi-gcc", *COMMON, *target, *loops, *files, "-lgcc"]
     target = ("-target", "arm-freestanding-eabi", "-mcpu=arm926ej_s", "-fno-sanitize=all", "-fno-stack-protector")
     package = importlib.util.find_spec("ziglang")
