@@ -9,14 +9,13 @@ produced stays in the result, so that `--emit` can print it and a person can fol
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from mauve.diagnostics.diagnostic import Diagnostic, Report
 from mauve.diagnostics.suggest import closest
 from mauve.lower.activation import settle
-from mauve.lower.codels import CodelTime, choose_times, plan_codels
+from mauve.lower.codels import CodelPlan, CodelTime, choose_times, plan_codels
 from mauve.lower.machines import build_machines
 from mauve.lower.placed import NodeTasks
 from mauve.lower.platform import timing_platform, wcet_board
@@ -24,20 +23,21 @@ from mauve.lower.tasks import task_sets
 from mauve.model.boards import resolve_board
 from mauve.model.model import Deployment, Model
 from mauve.model.resolve import resolve
+from mauve.records import record
 from mauve.syntax.ast import BoardDecl, DeploymentDecl, Module, String
 from mauve.syntax.load import load_modules, standard_module
 from mauve.timing.response import Method
 from mauve.verdict.deadlines import report_expectation, report_node
-from mauve.verdict.derive import Derivation, derive
+from mauve.verdict.derivation import Derivation, declared_handlers
 from mauve.verdict.result import CheckResult, DeploymentResult, NodeResult
-from mauve.wcet.result import Problem, ProblemKind, WcetResult
 
 if TYPE_CHECKING:
     from mauve.wcet.batch import Progress, Settings
     from mauve.wcet.hardware.board import Board
+    from mauve.wcet.result import WcetResult
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Options:
     """What a check was asked to do. `deployment` None means all that are not abstract; `cache` whether results of
     earlier runs may be used and kept; `workers` how many processes may analyse binaries; `progress` is told how far
@@ -89,7 +89,7 @@ def check(path: str, options: Options, report: Report) -> CheckResult:
 def check_deployment(deployment: Deployment, options: Options, report: Report) -> DeploymentResult:
     """Codels -> WCETs -> PSMs -> tasks -> response times -> verdict, of one deployment."""
     plans = plan_codels(deployment)
-    derivation = derive(deployment, plans, options.cache, report, options.workers, options.progress)
+    derivation = _derive(deployment, plans, options, report)
     codels = choose_times(plans, deployment, derivation.codels, report)
     times = {codel.plan.id: codel.time for codel in codels if codel.time is not None}
     built = build_machines(deployment, times)
@@ -102,6 +102,15 @@ def check_deployment(deployment: Deployment, options: Options, report: Report) -
     holds = complete and all(node.analysis is not None and node.analysis.schedulable for node in nodes)
     report_expectation(deployment, holds, complete, report)
     return DeploymentResult(deployment, codels, built, nodes, complete, holds)
+
+
+def _derive(deployment: Deployment, plans: tuple[CodelPlan, ...], options: Options, report: Report) -> Derivation:
+    """What the binaries say; the analysis of binaries is imported only where there are some."""
+    if not any(node.binaries for node in deployment.nodes):
+        return Derivation({}, declared_handlers(deployment), True)
+    from mauve.verdict.derive import derive
+
+    return derive(deployment, plans, options.cache, report, options.workers, options.progress)
 
 
 def _respond(
@@ -118,7 +127,7 @@ def _complete(codels: Sequence[CodelTime], nodes: Sequence[NodeResult]) -> bool:
 
 
 # ------------------------------------------------------------------------------------- functions without a model
-@dataclass(frozen=True, slots=True)
+@record
 class UnknownBoard:
     """There is no such board; `message` says which ones there are."""
 
@@ -161,6 +170,7 @@ def wcet(
     from mauve.verdict.binaries import CODES
     from mauve.verdict.functions import function_diagnostics
     from mauve.wcet.batch import all_functions, analyse_batch, near_names
+    from mauve.wcet.result import Problem, ProblemKind
 
     wanted = functions or all_functions(elf)
     if isinstance(wanted, Problem):

@@ -6,16 +6,29 @@ A span is a pair of character offsets; lines and columns are computed only when 
 from __future__ import annotations
 
 from bisect import bisect_right
-from dataclasses import dataclass, field
 from functools import cached_property
+from typing import Final
+
+from mauve.records import record
 
 
-@dataclass(frozen=True)
 class SourceFile:
-    """A text with a name as the user wrote it (`name` is shown, never resolved)."""
+    """A text with a name as the user wrote it (`name` is shown, never resolved). Files are equal by name and text."""
 
-    name: str
-    text: str = field(repr=False)
+    def __init__(self, name: str, text: str) -> None:
+        self.name: Final = name
+        self.text: Final = text
+
+    def __eq__(self, other: object) -> bool:
+        if self is other:
+            return True
+        return isinstance(other, SourceFile) and (self.name, self.text) == (other.name, other.text)
+
+    def __hash__(self) -> int:
+        return hash((self.name, self.text))
+
+    def __repr__(self) -> str:
+        return f"SourceFile(name={self.name!r})"
 
     @cached_property
     def line_starts(self) -> tuple[int, ...]:
@@ -40,7 +53,7 @@ class SourceFile:
         return self.text[start:end].rstrip("\r\n")
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Position:
     """A line and a column, both counted from 1."""
 
@@ -48,7 +61,7 @@ class Position:
     column: int
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Span:
     """Characters `start` to `end` (exclusive) of a file; empty when they are equal."""
 

@@ -25,7 +25,8 @@ def parse(argv: Sequence[str]) -> argparse.Namespace:
         allow_abbrev=False,
     )
     top.add_argument("--version", action="version", version=f"mauvec {__version__}")
-    commands = top.add_subparsers(title="commands", metavar="COMMAND", required=True)
+    # With `prog`, argparse does not format a usage line to learn it.
+    commands = top.add_subparsers(title="commands", metavar="COMMAND", required=True, prog="mauvec")
     for command, add in COMMANDS.items():
         add(_Commands(commands, command))
     _check_command(top, argv)

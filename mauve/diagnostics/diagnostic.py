@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass, field
+from collections.abc import Iterable, Iterator
 from enum import Enum
 
+from mauve.records import record
 from mauve.source import Span
 
 
@@ -25,7 +25,7 @@ class Applicability(Enum):
     PLACEHOLDERS = "has-placeholders"
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Label:
     """A span of source with a short text about it (the text may be empty)."""
 
@@ -33,7 +33,7 @@ class Label:
     text: str = ""
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Edit:
     """Replace the span by the text (an empty span inserts)."""
 
@@ -41,7 +41,7 @@ class Edit:
     text: str
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Fix:
     """Advice in words, and where possible the edits that carry it out."""
 
@@ -50,7 +50,7 @@ class Fix:
     applicability: Applicability = Applicability.PLACEHOLDERS
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Diagnostic:
     """One message.
 
@@ -70,15 +70,12 @@ class Diagnostic:
     data: tuple[tuple[str, object], ...] = ()
 
 
-@dataclass(slots=True)
 class Report:
     """The diagnostics of one run, in the order the passes found them. Passes append, the command line renders."""
 
-    diagnostics: list[Diagnostic] = field(default_factory=list)
-    _alike: dict[tuple[str, str, int], list[Diagnostic]] = field(init=False, repr=False, compare=False)
-
-    def __post_init__(self) -> None:
-        self._alike = {}
+    def __init__(self, diagnostics: Iterable[Diagnostic] = ()) -> None:
+        self.diagnostics = list(diagnostics)
+        self._alike: dict[tuple[str, str, int], list[Diagnostic]] = {}
         for diagnostic in self.diagnostics:
             self._alike.setdefault(_key(diagnostic), []).append(diagnostic)
 

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import unicodedata
-from dataclasses import dataclass
+
+from mauve.records import record
 
 TAB = 4
 REPLACEMENT = "\N{REPLACEMENT CHARACTER}"
@@ -45,7 +46,7 @@ def lines(text: str) -> list[str]:
     return ["".join(safe(c) for c in part.expandtabs(TAB)) for part in text.splitlines()] or [""]
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Shown:
     """One source line, or the window of a very long one, as it appears on a terminal.
 

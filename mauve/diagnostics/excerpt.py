@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
 
 from mauve.diagnostics.display import Shown, one_line, show
 from mauve.diagnostics.style import Role, Style
+from mauve.records import record
 from mauve.source import Position, SourceFile, Span
 
 WHOLE = 5
 """A span over at most so many lines is shown whole, a longer one by its first and last line."""
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Mark:
     """A span to underline, in a file's own coordinates: `last` is the position after its last character."""
 
@@ -39,12 +39,12 @@ def mark(span: Span, text: str, symbol: str, role: Role) -> Mark:
     return Mark(span.file.position(start), span.file.position(end), one_line(text), symbol, role)
 
 
-@dataclass(slots=True)
 class Row:
     """One output row under construction; pieces are put from left to right or over blanks."""
 
-    cells: list[str] = field(default_factory=list)
-    roles: list[Role] = field(default_factory=list)
+    def __init__(self) -> None:
+        self.cells: list[str] = []
+        self.roles: list[Role] = []
 
     def put(self, column: int, text: str, role: Role) -> None:
         """Write text from a column on, one list element a character."""

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
+
+from mauve.records import record
 
 _POSITION = re.compile(
     r"(?P<file>(?:[A-Za-z]:[\\/])?[^:\n]*[^:\s]):(?P<line>[1-9]\d{0,8})(?::(?P<column>[1-9]\d{0,8}))?(?=$|[\s,;(])"
 )
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Place:
     """A file with an optional line and column (from 1), and what the text says besides."""
 

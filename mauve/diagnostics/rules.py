@@ -6,14 +6,13 @@ The first digit names the phase: 0 syntax, 1 names and imports, 2 types, ports a
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 from mauve.diagnostics.diagnostic import Severity
+from mauve.records import record
 
 ERROR, WARNING, NOTE = Severity.ERROR, Severity.WARNING, Severity.NOTE
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Rule:
     """A kind of diagnostic. `slug` is its readable name, `severity` the usual one."""
 

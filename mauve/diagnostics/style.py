@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from enum import Enum
 
 from mauve.diagnostics.diagnostic import Severity
+from mauve.records import record
 
 RESET = "\x1b[0m"
 
@@ -23,7 +23,7 @@ class Role(Enum):
     HELP = "help"
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Style:
     """The escape sequence of each role; a role that is not listed stays plain."""
 

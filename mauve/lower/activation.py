@@ -11,7 +11,6 @@ Responses depend on jitters and jitters on responses: they are iterated from 0 u
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
 from fractions import Fraction
 from math import ceil
 
@@ -19,6 +18,7 @@ from mauve.lower.placed import NodeTasks, PlacedTask
 from mauve.model.model import Deployment, Instance
 from mauve.model.periods import instance_period
 from mauve.model.wakeups import waking
+from mauve.records import changed, record
 from mauve.timing.response import Analysis, Method, Reason, analyse
 from mauve.timing.task import Platform, on_platform
 
@@ -26,7 +26,7 @@ ROUNDS = 1000
 """Iterations after which a jitter that still grows is called unbounded."""
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Settled:
     """The task sets with their final jitters, and the responses; None for a node without tasks."""
 
@@ -34,7 +34,7 @@ class Settled:
     results: tuple[Analysis | None, ...]
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class _Waker:
     """An instance that writes an event port: how often at most, in which tasks, and the delay of one without tasks."""
 
@@ -67,7 +67,7 @@ def settle(
         results = tuple(_analyse(node, platform, method) for node, platform in zip(current, platforms, strict=True))
         responses = {r.task: r.wcrt for analysis in results if analysis for r in analysis.results}
         updated = tuple(
-            replace(node, tasks=tuple(_with_jitter(one, wakers, responses) for one in node.tasks)) for node in nodes
+            changed(node, tasks=tuple(_with_jitter(one, wakers, responses) for one in node.tasks)) for node in nodes
         )
         if updated == current:
             unknown = {name for name, ws in wakers.items() if any(w.response(responses) is None for w in ws)}
@@ -117,7 +117,7 @@ def _with_jitter(placed: PlacedTask, wakers: Wakers, responses: Mapping[str, int
     if len(known) > 1:
         late = (Fraction(r, period) + 1 for period, r in known if period is not None)
         jitter = ceil(placed.task.period * sum(late, Fraction(0)))
-    return replace(placed, task=replace(placed.task, jitter=placed.task.jitter + jitter))
+    return changed(placed, task=changed(placed.task, jitter=placed.task.jitter + jitter))
 
 
 def _withdraw(analysis: Analysis, unknown: set[str]) -> Analysis:
@@ -126,9 +126,9 @@ def _withdraw(analysis: Analysis, unknown: set[str]) -> Analysis:
     if not priorities:
         return analysis
     results = tuple(
-        replace(r, wcrt=None, reason=r.reason or Reason.ARRIVALS)
+        changed(r, wcrt=None, reason=r.reason or Reason.ARRIVALS)
         if analysis.task(r.task).priority <= max(priorities)
         else r
         for r in analysis.results
     )
-    return replace(analysis, results=results)
+    return changed(analysis, results=results)

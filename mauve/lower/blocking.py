@@ -8,10 +8,11 @@ blocked at most once, by the longest section of a less urgent task whose ceiling
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+
+from mauve.records import record
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Section:
     """A stay of `holder` in the critical section of `resource`: `length` picoseconds at most. `what` it does there, in
     words."""

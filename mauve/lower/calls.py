@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
 
 from mauve.model.model import (
     Architecture,
@@ -19,10 +18,11 @@ from mauve.model.model import (
     Step,
 )
 from mauve.model.threads import region_ids
+from mauve.records import record
 from mauve.source import Span
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Service:
     """Where a method leads: the operation of an instance."""
 
@@ -34,7 +34,7 @@ Services = Mapping[Endpoint, Service]
 """The operation behind each connected method."""
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Use:
     """A step of `region` that executes a codel; `provider` is the instance called, empty for a codel of its own.
     `when` says in words where it stands; `reads` and `writes` are the instance's data that it touches."""

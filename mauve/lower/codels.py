@@ -7,16 +7,19 @@ none of the three is an error, never 0.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
 from enum import Enum
+from typing import TYPE_CHECKING
 
 from mauve.diagnostics.diagnostic import Diagnostic, Fix, Label, Report, Severity
 from mauve.lower.calls import Use, services, uses
 from mauve.model.model import Assumption, Binary, Codel, CodelId, Deployment, Node, RegionId
 from mauve.model.threads import placement
+from mauve.records import record
 from mauve.source import Span
 from mauve.units import format_time
-from mauve.wcet.result import WcetResult
+
+if TYPE_CHECKING:
+    from mauve.wcet.result import WcetResult
 
 
 class Source(Enum):
@@ -27,7 +30,7 @@ class Source(Enum):
     DECLARED = "declared"
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class CodelPlan:
     """A codel that some task executes: every place of use, its symbol and, where somebody wrote that name, the place;
     `nodes` are those whose processors execute it."""
@@ -40,7 +43,7 @@ class CodelPlan:
     nodes: frozenset[str]
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class CodelTime:
     """The time that counts for a codel, in picoseconds, and where it comes from. `time` is None where there is none;
     `result` is what the analysis of the binary said."""

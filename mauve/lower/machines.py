@@ -12,7 +12,6 @@ last its parent was left and entered again, both.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
 
 from mauve.lower.calls import Services, executed, services
 from mauve.model.model import (
@@ -33,6 +32,7 @@ from mauve.model.model import (
 from mauve.model.periods import region_period
 from mauve.model.queues import most_arrivals
 from mauve.model.threads import placement
+from mauve.records import record
 from mauve.timing.psm import CostPart, Psm, PsmTransition, make_psm
 
 START = "(start)"
@@ -42,7 +42,7 @@ Times = Mapping[CodelId, int]
 """Picoseconds per codel."""
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Machine:
     """The PSM of a region; `period` is its own (gcd of its activities' periods, or that of the region around it), None
     for that of its instance."""
@@ -52,7 +52,7 @@ class Machine:
     period: int | None
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class _Costs:
     """What steps cost in one instance; `waiting` counts the messages that may wait at each of its in-ports."""
 
@@ -127,7 +127,7 @@ def waiting_messages(
     return counts | queued
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class _Parent:
     """The state around a nested region: whether it may be left and entered again between two activations of it."""
 

@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 from mauve.lower.blocking import Section
 from mauve.lower.machines import Machine
 from mauve.model.model import Instance, Node, Setting
+from mauve.records import record
 from mauve.source import Span
 from mauve.timing.task import Task
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class PlacedTask:
     """A task with what it stands for: its machines, its instances (not all of their regions need be its own), and the
     span that its messages point at. `locked` says that its process protects shared data by immediate ceilings."""
@@ -27,7 +26,7 @@ class PlacedTask:
     blocker: Section | None = None
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class NodeTasks:
     """The tasks that share one processor. `complete` is False when a task is missing because a codel has no time."""
 

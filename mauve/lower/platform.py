@@ -5,16 +5,21 @@ analysis.
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import TYPE_CHECKING
 
 from mauve.model.model import Binary, Board, LoopFact, Node, Wait
 from mauve.timing.task import Interrupt, Kind, Platform
 from mauve.units import time_to_cycles
-from mauve.wcet.flow import facts
-from mauve.wcet.hardware import board as hardware
+
+if TYPE_CHECKING:
+    from mauve.wcet.flow import facts
+    from mauve.wcet.hardware import board as hardware
 
 
 def wcet_board(board: Board) -> hardware.Board:
     """The board as the WCET engine sees it; waits in time become CPU cycles, rounded up."""
+    from mauve.wcet.hardware import board as hardware
+
     memories = tuple(
         hardware.Memory(
             memory.name,
@@ -40,6 +45,8 @@ def flow_facts(binary: Binary) -> tuple[facts.Fact, ...]:
 
 
 def _loop_fact(fact: LoopFact, key: int) -> facts.LoopFact:
+    from mauve.wcet.flow import facts
+
     place: facts.Place
     counting = facts.Counting.HEADER
     if fact.file is not None and fact.line is not None:

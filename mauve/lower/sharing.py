@@ -9,17 +9,17 @@ section; without it, it is a race.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
 
 from mauve.diagnostics.diagnostic import Diagnostic, Fix, Label, Report
 from mauve.lower.blocking import Section
 from mauve.lower.calls import Services, Use, uses
 from mauve.lower.placed import PlacedTask
 from mauve.model.model import CodelId, ComponentKind, Endpoint, Instance
+from mauve.records import record
 from mauve.source import Span
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Access:
     """A codel, executed by `task`, reads or writes a datum of an instance; `called` where it is an operation of it."""
 

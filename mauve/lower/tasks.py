@@ -4,7 +4,6 @@ declared. Values taken by default are reported where they are used (MV420)."""
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import replace
 
 from mauve.diagnostics.diagnostic import Diagnostic, Fix, Label, Report, Severity
 from mauve.lower.blocking import Section, blockers, longest
@@ -16,6 +15,7 @@ from mauve.lower.threads import Machines, exchange_cost, thread_tasks
 from mauve.model.model import CodelId, DataConnection, Deployment, Instance, Node
 from mauve.model.periods import common_period, instance_period
 from mauve.model.priorities import contradiction
+from mauve.records import changed
 from mauve.timing.task import Task, Workload, constant, machine
 from mauve.units import format_time
 
@@ -147,15 +147,15 @@ def _with_blocking(
     ]
     found = blockers([(one.task.priority, sections) for one, sections in zip(draft.tasks, held, strict=True)])
     tasks = tuple(
-        replace(
+        changed(
             one,
-            task=replace(one.task, blocking=worst.length if worst else 0),
+            task=changed(one.task, blocking=worst.length if worst else 0),
             sections=sections,
             blocker=worst,
         )
         for one, sections, worst in zip(draft.tasks, held, found, strict=True)
     )
-    return replace(draft, tasks=tasks)
+    return changed(draft, tasks=tasks)
 
 
 def _operations(placed: PlacedTask, connected: Services, times: Mapping[CodelId, int]) -> Iterator[Section]:

@@ -6,7 +6,6 @@ The period of a thread is the gcd of those of its regions; a region runs in the 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 
 from mauve.diagnostics.diagnostic import Diagnostic, Fix, Label, Report, Severity
 from mauve.lower.machines import Machine
@@ -15,6 +14,7 @@ from mauve.model.model import Deployment, Instance, Node, Setting, Thread
 from mauve.model.periods import common_period, instance_period
 from mauve.model.priorities import rate_monotonic
 from mauve.model.threads import PORTS, placement
+from mauve.records import record
 from mauve.timing.task import Task, Workload, constant, machine
 from mauve.units import format_time
 
@@ -22,7 +22,7 @@ Machines = Mapping[str, tuple[Machine, ...] | None]
 """The machines of each active instance; None where they could not be built."""
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class _Draft:
     """A thread before priorities are dealt out."""
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
 
 from mauve.diagnostics.diagnostic import Diagnostic, Fix, Label, Report
 from mauve.model.connections import resolve_connections
@@ -14,11 +13,12 @@ from mauve.model.periods import instance_period
 from mauve.model.priorities import rate_monotonic
 from mauve.model.typing import TypeTable, check_value
 from mauve.model.wakeups import check_separations
+from mauve.records import changed, record
 from mauve.source import Span
 from mauve.syntax import ast
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Context:
     """What an architecture is resolved against: resolved components by the identity of their declaration."""
 
@@ -144,7 +144,7 @@ def apply_defaults(instances: tuple[Instance, ...]) -> tuple[Instance, ...]:
     ranks = rate_monotonic([(periods[i.name] or 0, i.priority.value if i.priority else None) for i in active])
     ranked = {i.name: Setting(rank, None, "rate monotonic") for i, rank in zip(active, ranks, strict=True)}
     return tuple(
-        replace(
+        changed(
             instance,
             priority=instance.priority or ranked[instance.name],
             deadline=_deadline(instance, periods[instance.name]),

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
 
 from mauve.diagnostics.diagnostic import Diagnostic, Fix, Label, Report, Severity
 from mauve.model.model import (
@@ -22,12 +21,13 @@ from mauve.model.model import (
 from mauve.model.names import Scope, duplicate, unknown
 from mauve.model.reachability import check_region
 from mauve.model.types import BUILT_IN, Type
+from mauve.records import record
 from mauve.source import Span
 from mauve.syntax import ast
 from mauve.syntax.quantities import time_of
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Members:
     """What the steps, guards and events of a component may name."""
 

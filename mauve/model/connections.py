@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
 
 from mauve.diagnostics.diagnostic import Applicability, Diagnostic, Edit, Fix, Label, Report, Severity
 from mauve.model.model import (
@@ -24,13 +23,14 @@ from mauve.model.model import (
 from mauve.model.names import unknown
 from mauve.model.queues import check_queues
 from mauve.model.typing import check_value
+from mauve.records import record
 from mauve.source import Span
 from mauve.syntax import ast
 
 LARGEST_BUFFER = 1 << 16
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class _End:
     """One end of a written connection, resolved."""
 

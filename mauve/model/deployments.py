@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
 
 from mauve.diagnostics.diagnostic import Diagnostic, Fix, Label, Report, Severity
 from mauve.model.model import (
@@ -20,6 +19,7 @@ from mauve.model.model import (
 )
 from mauve.model.names import Scope, duplicate, unknown
 from mauve.model.threads import check_placement, resolve_thread
+from mauve.records import record
 from mauve.source import Span
 from mauve.syntax import ast
 from mauve.syntax.quantities import time_of
@@ -28,7 +28,7 @@ CEILING = "immediate_ceiling"
 """The locking protocol of the analysis."""
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Platform:
     """What deployments refer to, by the identity of declarations; boards by name for those given as strings."""
 
@@ -104,18 +104,18 @@ def _chain(
     return tuple(chain)
 
 
-@dataclass(slots=True)
 class MergedNode:
     """A node after inheritance: later declarations replace processes' threads of the same name and add the rest."""
 
-    declaration: ast.NodeDecl
-    binaries: list[ast.BinaryDecl] = field(default_factory=list)
-    assumes: list[ast.AssumeDecl] = field(default_factory=list)
-    interrupts: dict[str, ast.InterruptDecl] = field(default_factory=dict)
-    schedules: list[ast.ScheduleDecl] = field(default_factory=list)
-    exchanges: list[ast.ExchangeDecl] = field(default_factory=list)
-    threads: dict[str, tuple[str, ast.ThreadDecl]] = field(default_factory=dict)
-    locks: dict[str, list[ast.LockDecl]] = field(default_factory=dict)
+    def __init__(self, declaration: ast.NodeDecl) -> None:
+        self.declaration = declaration
+        self.binaries: list[ast.BinaryDecl] = []
+        self.assumes: list[ast.AssumeDecl] = []
+        self.interrupts: dict[str, ast.InterruptDecl] = {}
+        self.schedules: list[ast.ScheduleDecl] = []
+        self.exchanges: list[ast.ExchangeDecl] = []
+        self.threads: dict[str, tuple[str, ast.ThreadDecl]] = {}
+        self.locks: dict[str, list[ast.LockDecl]] = {}
 
 
 def _merged_nodes(chain: tuple[ast.DeploymentDecl, ...], report: Report) -> list[MergedNode]:
@@ -243,7 +243,7 @@ def _ceilings(locks: list[ast.LockDecl], report: Report) -> bool:
     return bool(locks)
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class _Components:
     """The components of an architecture by name; `complete` is False where an instance in error is missing."""
 

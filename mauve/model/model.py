@@ -6,16 +6,15 @@ would arise. Every object keeps the span it was written at, for diagnostics of l
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 from mauve.model.types import Type
+from mauve.records import record
 from mauve.source import Span
 from mauve.syntax.ast import ComponentKind, Overflow, PortKind, Role, RunsIn
 
 __all__ = ["ComponentKind", "Overflow", "PortKind", "Role", "RunsIn"]
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Setting:
     """An integer that was written (`span` says where) or taken by default (`default` says by which rule)."""
 
@@ -25,7 +24,7 @@ class Setting:
 
 
 # ------------------------------------------------------------------------------------------------ components
-@dataclass(frozen=True, slots=True)
+@record
 class Port:
     """A data or event port."""
 
@@ -36,7 +35,7 @@ class Port:
     type_span: Span
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Datum:
     """A property or a variable."""
 
@@ -46,7 +45,7 @@ class Datum:
     is_property: bool
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Codel:
     """A C function. `reads` and `writes` name ports, properties, variables, or parameters of the operation it
     implements. `wcet` is the declared time; `symbol` a fixed name of the function."""
@@ -61,7 +60,7 @@ class Codel:
     span: Span
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Operation:
     """A service provided, executed by `codel` in the caller's or the owner's task."""
 
@@ -73,7 +72,7 @@ class Operation:
     span: Span
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Method:
     """A service required."""
 
@@ -83,7 +82,7 @@ class Method:
     span: Span
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class RunCodel:
     """A step that executes a codel of the component."""
 
@@ -91,7 +90,7 @@ class RunCodel:
     span: Span
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class CallMethod:
     """A step that calls a required service with `arguments` of the component; `result` takes what it returns."""
 
@@ -104,7 +103,7 @@ class CallMethod:
 Step = RunCodel | CallMethod
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Activity:
     """The steps of one role of a state. `every` is a period of its own; `apart` the least separation of a `once`
     activity (0 when none was given), None for an activity that is executed at each step."""
@@ -116,7 +115,7 @@ class Activity:
     span: Span
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Transition:
     """From its state to `target`. `guards` are the bool codels that deciding the guard may call, in order of writing;
     `always` says that nothing can keep it from being taken (no event, guard or delay)."""
@@ -135,7 +134,7 @@ class Transition:
         return self.event is None and not self.guards and self.after is None
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class State:
     """A state with its activities, nested regions and transitions in the order written."""
 
@@ -156,7 +155,7 @@ class State:
         )
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Region:
     """States of which one is active at a time. `name` is empty for a behaviour without regions."""
 
@@ -166,7 +165,7 @@ class Region:
     span: Span
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Component:
     """A component type. `regions` is empty for passive and external ones and for one whose behaviour is in error."""
 
@@ -187,7 +186,7 @@ class Component:
 
 
 # ------------------------------------------------------------------------------------------------ architecture
-@dataclass(frozen=True, slots=True)
+@record
 class Instance:
     """A component in an architecture. Periodic (`period`), or sporadic with a least separation (`period` too,
     `sporadic` true). Passive instances have neither period, priority nor deadline, external ones no priority and
@@ -209,7 +208,7 @@ class Instance:
         return self.component.kind is ComponentKind.ACTIVE
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Endpoint:
     """A port, method or operation of an instance."""
 
@@ -220,7 +219,7 @@ class Endpoint:
         return f"{self.instance}.{self.name}"
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class DataConnection:
     """An out port to an in or event port. `size` is None where unbuffered."""
 
@@ -231,7 +230,7 @@ class DataConnection:
     span: Span
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class ServiceConnection:
     """A required method to a provided operation."""
 
@@ -240,7 +239,7 @@ class ServiceConnection:
     span: Span
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Architecture:
     """Instances and their connections. `complete` is False where an instance in error was left out."""
 
@@ -254,7 +253,7 @@ class Architecture:
 
 
 # ------------------------------------------------------------------------------------------------ platform
-@dataclass(frozen=True, slots=True)
+@record
 class Wait:
     """Wait states: CPU cycles, or picoseconds to be rounded up to cycles."""
 
@@ -262,7 +261,7 @@ class Wait:
     in_cycles: bool
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class MemoryRegion:
     """A memory of a board."""
 
@@ -274,7 +273,7 @@ class MemoryRegion:
     span: Span
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Feature:
     """A hardware mechanism that is switched on, as written."""
 
@@ -283,7 +282,7 @@ class Feature:
     span: Span
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Board:
     """A processor with its memories and its operating system's overheads (times in picoseconds, 0 when not given)."""
 
@@ -300,7 +299,7 @@ class Board:
 
 
 # ------------------------------------------------------------------------------------------------ deployment
-@dataclass(frozen=True, slots=True)
+@record
 class CodelId:
     """A codel of a component type."""
 
@@ -311,7 +310,7 @@ class CodelId:
         return f"{self.component}.{self.codel}"
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class LoopFact:
     """A loop bound of a deployment. `file`/`line`, or `symbol`/`offset`, or `address`."""
 
@@ -324,7 +323,7 @@ class LoopFact:
     span: Span
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Binary:
     """An ELF file (`path` resolved against the model's file) with symbols by codel and flow facts."""
 
@@ -335,7 +334,7 @@ class Binary:
     span: Span
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Assumption:
     """A time assumed for a codel; `codel` None covers every codel that nothing else names."""
 
@@ -344,7 +343,7 @@ class Assumption:
     span: Span
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Interrupt:
     """An interrupt above every priority, at least `every` apart; its handler's time is given or comes from `symbol`."""
 
@@ -355,7 +354,7 @@ class Interrupt:
     span: Span
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class RegionId:
     """A region of an instance: the path of region names from the outermost (`spooler.processing`), or the whole
     instance's single region when `path` is empty; `ports` of an instance stand for its port exchange."""
@@ -367,7 +366,7 @@ class RegionId:
         return ".".join((self.instance, *self.path))
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Thread:
     """A task of the operating system that executes regions. `period` is the gcd of theirs unless written; `process`
     the address space it belongs to, `locked` whether that protects shared data by immediate priority ceilings."""
@@ -383,7 +382,7 @@ class Thread:
     span: Span
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Node:
     """A board with what runs on it. `threads` is empty when every active instance is a task of its own; `locked` then
     says that they protect shared data by immediate ceilings."""
@@ -400,7 +399,7 @@ class Node:
     span: Span
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Deployment:
     """An architecture on nodes. `expect_unschedulable` inverts its verdict."""
 
@@ -412,7 +411,7 @@ class Deployment:
     span: Span
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Model:
     """Everything one check needs, from the file given and its imports."""
 

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
 
 from mauve.diagnostics.diagnostic import Applicability, Diagnostic, Edit, Fix, Label, Report
 from mauve.diagnostics.suggest import closest
+from mauve.records import record
 from mauve.source import Span
 from mauve.syntax import ast
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Scope:
     """The names of one module. `own` are its declarations, `imported` those of each import by simple name,
     `qualified` all of them behind the package's name or the import's alias."""
@@ -42,11 +42,11 @@ class Scope:
         return f"not found in {package} nor in its {self.imports} import{'s' if self.imports > 1 else ''}"
 
 
-@dataclass(slots=True)
 class _Tables:
-    own: dict[str, ast.Declaration] = field(default_factory=dict)
-    imported: dict[str, tuple[ast.Declaration, ...]] = field(default_factory=dict)
-    qualified: dict[str, ast.Declaration] = field(default_factory=dict)
+    def __init__(self) -> None:
+        self.own: dict[str, ast.Declaration] = {}
+        self.imported: dict[str, tuple[ast.Declaration, ...]] = {}
+        self.qualified: dict[str, ast.Declaration] = {}
 
 
 def module_scope(module: ast.Module, modules: Iterable[ast.Module], report: Report) -> Scope:

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from mauve.records import record
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Scalar:
     """A built-in type. `size` in bytes, which is also its alignment."""
 
@@ -16,7 +16,7 @@ class Scalar:
         return self.name
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Enum:
     """An enumeration; a 32-bit integer in C."""
 
@@ -27,7 +27,7 @@ class Enum:
         return self.name
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Struct:
     """A struct; build it with `make_struct`, which lays it out. Two structs of one name with the same fields are the
     same type."""
@@ -45,7 +45,7 @@ class Struct:
         return dict(self.fields).get(name)
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Array:
     """A fixed number of elements."""
 

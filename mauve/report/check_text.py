@@ -13,7 +13,6 @@ from mauve.timing.response import Analysis, Method
 from mauve.timing.task import Kind, Task, trace_length
 from mauve.units import format_time
 from mauve.verdict.result import CheckResult, DeploymentResult, NodeResult
-from mauve.wcet.result import Origin
 
 TRACE_RUNS = 3
 """How many runs of equal elements a table shows of a trace."""
@@ -101,6 +100,8 @@ def _codel(codel: CodelTime) -> Row:
 
 def _facts(codel: CodelTime) -> int:
     """How many of the codel's loops have a bound that a person wrote."""
+    from mauve.wcet.result import Origin
+
     loops = codel.result.loops if codel.result else ()
     return len({(loop.header, loop.function) for loop in loops if loop.origin is Origin.ANNOTATION})
 

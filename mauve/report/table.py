@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from enum import Enum
 
 from mauve.diagnostics.display import ELLIPSIS, one_line, width
 from mauve.diagnostics.style import Role, Style
+from mauve.records import record
 
 LEAST = 12
 """Columns that may be cut keep at least so many cells."""
@@ -22,7 +22,7 @@ class Align(Enum):
     RIGHT = "right"
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Column:
     """A column's heading and alignment; one that is `elastic` is cut where the table is too wide."""
 
@@ -31,7 +31,7 @@ class Column:
     elastic: bool = False
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Cell:
     """A text with the role that decides its colour."""
 

@@ -1,19 +1,19 @@
 """The abstract syntax of MAUVE: what the user wrote, with a span on every node.
 
-Names are not resolved and units not checked here. Frozen dataclasses and tuples throughout. `doc` is the text of the
+Names are not resolved and units not checked here. Records and tuples throughout. `doc` is the text of the
 `///` lines before a declaration, without the slashes.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from enum import Enum
 
+from mauve.records import record
 from mauve.source import SourceFile, Span
 
 
 # ------------------------------------------------------------------------------------------------ names and literals
-@dataclass(frozen=True, slots=True)
+@record
 class Name:
     """One identifier."""
 
@@ -24,7 +24,7 @@ class Name:
         return self.text
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Path:
     """Identifiers joined by dots; at least one."""
 
@@ -35,7 +35,7 @@ class Path:
         return ".".join(part.text for part in self.parts)
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Quantity:
     """A numeral with its unit stuck to it, as written: `10ms`, `200MHz`, `16KiB`, `1cycle`. The unit may be unknown."""
 
@@ -44,7 +44,7 @@ class Quantity:
     span: Span
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Number:
     """A numeral without unit, as written: `3`, `-0.5`, `0x8000`."""
 
@@ -62,7 +62,7 @@ class Number:
         return int(self.text, 16 if "x" in self.text.lower() else 10)
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class String:
     """A string without its quotes, escapes resolved."""
 
@@ -70,7 +70,7 @@ class String:
     span: Span
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Boolean:
     """`true` or `false`."""
 
@@ -78,7 +78,7 @@ class Boolean:
     span: Span
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Record:
     """`{ yaw: 0.0, roll: 0.0 }`."""
 
@@ -86,7 +86,7 @@ class Record:
     span: Span
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class List:
     """`[1, 2, 3]`."""
 
@@ -99,7 +99,7 @@ Value = Quantity | Number | String | Boolean | Path | Record | List
 
 
 # ------------------------------------------------------------------------------------------------ types
-@dataclass(frozen=True, slots=True)
+@record
 class TypeRef:
     """A type by name with array dimensions: `Task[64]`."""
 
@@ -108,7 +108,7 @@ class TypeRef:
     span: Span
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Field:
     """One field of a struct (`x, y: f64` gives two)."""
 
@@ -117,7 +117,7 @@ class Field:
     doc: str = ""
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class StructDecl:
     """`struct Pose { x, y, heading: f64 }`."""
 
@@ -127,7 +127,7 @@ class StructDecl:
     doc: str = ""
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class EnumDecl:
     """`enum LinkStatus { OK, TIMEOUT }`."""
 
@@ -154,7 +154,7 @@ class PortKind(Enum):
     EVENT = "event"
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class PortDecl:
     """`in port state: RobotState`."""
 
@@ -165,7 +165,7 @@ class PortDecl:
     doc: str = ""
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class PropertyDecl:
     """`property gain: f64 = 0.2`, set per instance."""
 
@@ -176,7 +176,7 @@ class PropertyDecl:
     doc: str = ""
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class VarDecl:
     """`var command: TrackCommand`, a variable of the component."""
 
@@ -186,7 +186,7 @@ class VarDecl:
     doc: str = ""
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class EventDecl:
     """`event Done, Failure`: events that transitions emit and react to."""
 
@@ -195,7 +195,7 @@ class EventDecl:
     doc: str = ""
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Parameter:
     """A parameter of an operation or method."""
 
@@ -210,7 +210,7 @@ class RunsIn(Enum):
     OWNER = "owner"
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class OperationDecl:
     """`operation send(command: TrackCommand): LinkStatus = send_frame  runs in caller`: a service provided."""
 
@@ -223,7 +223,7 @@ class OperationDecl:
     doc: str = ""
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class MethodDecl:
     """`method send(command: TrackCommand): LinkStatus`: a service required."""
 
@@ -234,7 +234,7 @@ class MethodDecl:
     doc: str = ""
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class CodelDecl:
     """`codel fuse reads position, attitude writes state returns bool wcet 2ms symbol "f"`.
 
@@ -253,7 +253,7 @@ class CodelDecl:
 
 
 # ------------------------------------------------------------------------------------------------ behaviour
-@dataclass(frozen=True, slots=True)
+@record
 class Step:
     """One step: a codel `rotate`, or a call `send(command)`; `status = ...` binds its result.
 
@@ -276,21 +276,21 @@ class Role(Enum):
     EXIT = "exit"
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Every:
     """`every 100ms`: the region steps with this period."""
 
     period: Quantity
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Once:
     """`once, at least 150ms apart`: executed at state entry, with a least separation."""
 
     apart: Quantity | None
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Activity:
     """`run rotate then status = send(command)`."""
 
@@ -300,14 +300,14 @@ class Activity:
     span: Span
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class GuardCodel:
     """A bool codel as a guard."""
 
     name: Name
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class GuardNot:
     """`not g`."""
 
@@ -315,7 +315,7 @@ class GuardNot:
     span: Span
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class GuardBinary:
     """`a and b`, `a or b`."""
 
@@ -328,7 +328,7 @@ class GuardBinary:
 Guard = GuardCodel | GuardNot | GuardBinary
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Transition:
     """`-> Reaching on Event when aligned after 500ms do halt emit Done`."""
 
@@ -341,7 +341,7 @@ class Transition:
     span: Span
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class StateDecl:
     """`initial state Rotating { ... }`; nested regions make it hierarchical."""
 
@@ -355,7 +355,7 @@ class StateDecl:
     doc: str = ""
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class RegionDecl:
     """`region motion { states }`; the states of a behaviour without regions form one region without a name."""
 
@@ -365,7 +365,7 @@ class RegionDecl:
     doc: str = ""
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class HookBinding:
     """`update read` (or several steps joined by `then`) in the use of a lifecycle."""
 
@@ -374,7 +374,7 @@ class HookBinding:
     span: Span
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class LifecycleUse:
     """`behaviour orocos { configure open  update read }`."""
 
@@ -383,7 +383,7 @@ class LifecycleUse:
     span: Span
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Machine:
     """`behaviour { ... }` with states or regions of its own."""
 
@@ -391,7 +391,7 @@ class Machine:
     span: Span
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class LifecycleDecl:
     """`lifecycle orocos { hook configure, start  state ... }`: a behaviour whose steps are hooks."""
 
@@ -405,7 +405,7 @@ class LifecycleDecl:
 ComponentMember = PortDecl | PropertyDecl | VarDecl | EventDecl | OperationDecl | MethodDecl | CodelDecl
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class ComponentDecl:
     """`component`, `passive component` or `external component`.
 
@@ -432,7 +432,7 @@ class Execution(Enum):
     PRIORITY = "priority"
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class ExecutionAttribute:
     """`period 10ms`, `priority 20` (the value of a priority is a Number)."""
 
@@ -441,7 +441,7 @@ class ExecutionAttribute:
     span: Span
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Assignment:
     """`gps_weight = 0.25`."""
 
@@ -450,7 +450,7 @@ class Assignment:
     span: Span
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class InstanceDecl:
     """`instance fusion: StateFusion { period 10ms }`."""
 
@@ -469,7 +469,7 @@ class Overflow(Enum):
     DROP_NEWEST = "drop newest"
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Policy:
     """`buffered size 16 drop oldest initial { yaw: 0.0 }`."""
 
@@ -480,7 +480,7 @@ class Policy:
     span: Span
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class ConnectDecl:
     """`connect nav.nav -> pilot.nav, avoider.nav buffered size 4`, ports or method -> operation."""
 
@@ -490,7 +490,7 @@ class ConnectDecl:
     span: Span
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class ExternalDecl:
     """`external command.target`: written outside the model."""
 
@@ -498,7 +498,7 @@ class ExternalDecl:
     span: Span
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class ArchitectureDecl:
     """Instances and their connections."""
 
@@ -511,7 +511,7 @@ class ArchitectureDecl:
 
 
 # ------------------------------------------------------------------------------------------------ boards
-@dataclass(frozen=True, slots=True)
+@record
 class CpuItem:
     """`cpu "arm926ej-s" at 200MHz`."""
 
@@ -520,7 +520,7 @@ class CpuItem:
     span: Span
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class FeatureItem:
     """A hardware mechanism: `icache off`, `dcache 16KiB 4-way line 32B`, `mmu off`, `prefetch on`.
 
@@ -533,7 +533,7 @@ class FeatureItem:
     span: Span
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class MemoryItem:
     """`memory sram at 0x00200000 size 64KiB wait 1cycles`, optionally `write wait 2cycles`."""
 
@@ -545,7 +545,7 @@ class MemoryItem:
     span: Span
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class OsItem:
     """`os xenomai { context_switch 8us  tick every 1ms cost 5us }`."""
 
@@ -556,7 +556,7 @@ class OsItem:
     span: Span
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class BoardDecl:
     """A processor, its memories and its operating system's overheads."""
 
@@ -570,7 +570,7 @@ class BoardDecl:
 
 
 # ------------------------------------------------------------------------------------------------ deployments
-@dataclass(frozen=True, slots=True)
+@record
 class SymbolBinding:
     """`StateFusion.fuse = "statefusion_update"`."""
 
@@ -579,7 +579,7 @@ class SymbolBinding:
     span: Span
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class LoopFactDecl:
     """`loop "fusion.c:41" max 6`, `loop 0x8a34 max 7`, `loop "symbol"+0x10 max 3 total 20`.
 
@@ -593,7 +593,7 @@ class LoopFactDecl:
     span: Span
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class FactsFile:
     """`facts "robot.ff"`: an OTAWA flow fact file, relative to the model's file."""
 
@@ -601,7 +601,7 @@ class FactsFile:
     span: Span
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class BinaryDecl:
     """`binary "ttrk.elf" { ... }`, relative to the model's file."""
 
@@ -612,7 +612,7 @@ class BinaryDecl:
     span: Span
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class AssumeDecl:
     """`assume Command.rotate, Command.reach wcet 580us`; `targets` is empty for `assume others`."""
 
@@ -621,7 +621,7 @@ class AssumeDecl:
     span: Span
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class InterruptDecl:
     """`interrupt uart every 87us wcet 3us` or `... symbol "uart_isr"`: above every priority."""
 
@@ -632,7 +632,7 @@ class InterruptDecl:
     span: Span
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class ScheduleDecl:
     """`schedule fixed_priority preemptive`, `schedule rate_monotonic`."""
 
@@ -641,7 +641,7 @@ class ScheduleDecl:
     span: Span
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class LockDecl:
     """`lock immediate_ceiling`."""
 
@@ -649,7 +649,7 @@ class LockDecl:
     span: Span
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class ExchangeDecl:
     """`exchange ports 2ms`, `exchange spooler.ports 9ms`: the cost of a port exchange."""
 
@@ -658,7 +658,7 @@ class ExchangeDecl:
     span: Span
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class ThreadDecl:
     """`thread ms1 { spooler.spooler  spooler.motion }`: instances or regions that one thread executes."""
 
@@ -668,7 +668,7 @@ class ThreadDecl:
     span: Span
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class ProcessDecl:
     """`process control { ... }` in a node.
 
@@ -685,7 +685,7 @@ class ProcessDecl:
     span: Span
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class NodeDecl:
     """`node base on ttrk_arm9 { ... }`; the board is a name, or a string for one of the standard library."""
 
@@ -699,7 +699,7 @@ class NodeDecl:
     span: Span
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class DeploymentDecl:
     """`deployment on_robot of TTRK { ... }`, `deployment b extends a { ... }`, `expect unschedulable` inside."""
 
@@ -718,7 +718,7 @@ Declaration = StructDecl | EnumDecl | ComponentDecl | LifecycleDecl | Architectu
 
 
 # ------------------------------------------------------------------------------------------------ files
-@dataclass(frozen=True, slots=True)
+@record
 class Import:
     """`import std.lifecycle`, optionally `as life`."""
 
@@ -727,7 +727,7 @@ class Import:
     span: Span
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Module:
     """One file. `version` is the language version of its first line, None when that line is missing."""
 

@@ -7,11 +7,11 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import Any, TypeVar
 
 from mauve.diagnostics.diagnostic import Applicability, Diagnostic, Edit, Fix, Label, Report
+from mauve.records import record
 from mauve.source import SourceFile, Span
 from mauve.syntax import ast
 from mauve.syntax.tokens import Token
@@ -25,14 +25,14 @@ DEEPEST_GUARD = 100
 T = TypeVar("T")
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Context:
     """What actions need besides their children: the file, the report, and the documentation by offset."""
 
     file: SourceFile
     report: Report
     docs: dict[int, str]
-    broken: set[int] = field(default_factory=set)
+    broken: set[int]
     """the lines of syntax errors, about which nothing else is said"""
 
     def span(self, start: int, end: int) -> Span:
@@ -55,7 +55,7 @@ class Context:
 Action = Callable[[Context, list[Any], int, int], Any]
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Clause:
     """An optional part of a declaration: `reads a, b` is the clause `reads` with two names."""
 

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import re
-from dataclasses import replace
 from typing import Any
 
 from mauve.diagnostics.diagnostic import Applicability, Diagnostic, Edit, Fix, Label
 from mauve.diagnostics.suggest import closest
+from mauve.records import changed
 from mauve.source import Span
 from mauve.syntax import ast
 from mauve.syntax.build import Action, Clause, Context, all_of, check_lines, clause, first, has, only, take
@@ -326,9 +326,9 @@ def _limit(context: Context, loops: list[ast.LoopFactDecl], limit: Clause) -> No
         return
     span = loop.span.to(limit.span)
     if limit.word == "max":
-        loops[-1] = replace(loop, maximum=limit.value, span=span)
+        loops[-1] = changed(loop, maximum=limit.value, span=span)
     else:
-        loops[-1] = replace(loop, total=limit.value, span=span)
+        loops[-1] = changed(loop, total=limit.value, span=span)
 
 
 def _limit_clause(context: Context, children: list[Any], start: int, end: int) -> Clause:

@@ -8,11 +8,11 @@ the standard library.
 from __future__ import annotations
 
 import os
-from dataclasses import dataclass
 from pathlib import Path
 
 from mauve.diagnostics.diagnostic import Applicability, Diagnostic, Edit, Fix, Label, Report
 from mauve.diagnostics.suggest import closest
+from mauve.records import record
 from mauve.source import SourceFile, Span
 from mauve.syntax import ast
 from mauve.syntax.parse import parse
@@ -127,7 +127,7 @@ def _up(path: Path, levels: int) -> Path:
     return above if path.is_absolute() else Path(os.path.relpath(above))
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class _Step:
     """An import on the way to a module: the importing module's dotted name and the import."""
 

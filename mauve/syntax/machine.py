@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Any
 
 from mauve.diagnostics.diagnostic import Report
+from mauve.records import record
 from mauve.source import SourceFile
 from mauve.syntax import ast
 from mauve.syntax.actions import ACTIONS
@@ -21,7 +21,7 @@ RESERVED = frozenset(
 """Words that join the parts of a declaration; they are never names."""
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Snapshot:
     """The stacks before the token at index `at`. Lists among the values only grow, from `lengths` on."""
 
@@ -78,7 +78,7 @@ class Machine:
         self.file = file
         self.table: Table = load_table()
         self.tokens = scanned.tokens
-        self.context = Context(file, report, scanned.docs)
+        self.context = Context(file, report, scanned.docs, set())
         self.states = [self.table.start]
         self.values: list[Any] = []
         self.starts: list[int] = []

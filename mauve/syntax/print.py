@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import fields, is_dataclass
 from enum import Enum
 from typing import Any
 
+from mauve.records import field_names, is_record
 from mauve.source import SourceFile, Span
 from mauve.syntax import ast
 
@@ -19,20 +19,20 @@ def format_ast(module: ast.Module) -> str:
 def _lines(node: Any, label: str, depth: int) -> Iterator[str]:
     """A node's line with its short fields, then the lines of its other fields."""
     words, blocks = [f"{label}{type(node).__name__}"], []
-    for field in fields(node):
-        value = getattr(node, field.name)
-        if isinstance(value, (Span, SourceFile)) and field.name != "expect_unschedulable":
+    for field in field_names(node):
+        value = getattr(node, field)
+        if isinstance(value, (Span, SourceFile)) and field != "expect_unschedulable":
             continue
         if value is None or value is False or value in ("", ()):
             continue
         if value is True or isinstance(value, Span):
-            words.append(field.name)
+            words.append(field)
             continue
         short = _short(value)
         if short is not None:
-            words.append(f"{field.name}={short}")
+            words.append(f"{field}={short}")
         else:
-            blocks.append((field.name, value))
+            blocks.append((field, value))
     yield "  " * depth + " ".join(words)
     for name, value in blocks:
         many = isinstance(value, tuple)
@@ -84,4 +84,4 @@ def _short(value: Any) -> str | None:
 
 
 def _block(item: Any) -> bool:
-    return is_dataclass(item) and _short(item) is None
+    return is_record(item) and _short(item) is None

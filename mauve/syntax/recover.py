@@ -8,8 +8,8 @@ helps, the parser leaves the construct and goes on at the next member, or at the
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import replace
 
+from mauve.records import changed
 from mauve.source import Span
 from mauve.syntax import ast
 from mauve.syntax.explain import explain, reserved, surplus, unclosed, unfinished
@@ -114,12 +114,12 @@ class _Recovery:
         machine = self.machine
         closing, suspect = machine.closing, machine.suspect
         if closing is not None and machine.at - closing.at == 1:
-            inside = replace(machine_situation(machine), states=closing.states)
+            inside = changed(machine_situation(machine), states=closing.states)
             if inside.score(closing.states, (), machine.at, LOOKAHEAD) == LOOKAHEAD:
                 machine.restore(closing)
                 return Repair(replace=1, told=surplus)
         if suspect is not None and 0 < machine.at - suspect.at <= 2:
-            earlier = replace(machine_situation(machine), states=suspect.states, at=suspect.at)
+            earlier = changed(machine_situation(machine), states=suspect.states, at=suspect.at)
             back = _choose(earlier)
             if back is not None and back.insert and not back.replace and back.score >= LOOKAHEAD:
                 machine.restore(suspect)
@@ -249,7 +249,7 @@ def _goes_on(situation: Situation, states: list[int], at: int, need: int) -> boo
         return True
     if not situation.opens_line(at) or situation.tokens[at].text in situation.table.words:
         return False
-    there = replace(situation, states=states, at=at)
+    there = changed(situation, states=states, at=at)
     return any(there.score(states, (kind,), at + 1, need) >= need for kind in there.near_words(there.token()))
 
 

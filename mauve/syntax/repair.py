@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 
 from mauve.diagnostics.diagnostic import Diagnostic
 from mauve.diagnostics.suggest import closest
+from mauve.records import record
 from mauve.syntax.machine import Machine, feed, kind_of
 from mauve.syntax.table import Table
 from mauve.syntax.tokens import END, Token
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Repair:
     """A change at the token that does not fit.
 
@@ -36,7 +36,7 @@ def machine_situation(machine: Machine) -> Situation:
     return Situation(machine.table, machine.file.text, machine.tokens, machine.states, machine.at)
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Situation:
     """The states of the parser before the token at index `at` of a text."""
 

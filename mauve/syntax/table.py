@@ -10,16 +10,17 @@ import contextlib
 import json
 import os
 import re
-from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 from typing import Any
+
+from mauve.records import record
 
 FORMAT = 1
 """Changes whenever the meaning of the cached file changes."""
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Table:
     """A deterministic parser.
 

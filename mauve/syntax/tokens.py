@@ -7,12 +7,12 @@ The regular expressions of the tokens come from the grammar; beside them stand t
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
 from functools import cache
 from itertools import islice
 from typing import NamedTuple
 
 from mauve.diagnostics.diagnostic import Applicability, Diagnostic, Edit, Fix, Label, Report
+from mauve.records import record
 from mauve.source import SourceFile, Span
 from mauve.syntax.table import load_table
 
@@ -39,7 +39,7 @@ class Token(NamedTuple):
     end: int
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Scan:
     """The tokens of a file, closed by one of kind END.
 

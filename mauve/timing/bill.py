@@ -10,9 +10,9 @@ the deadline.)
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from itertools import pairwise
 
+from mauve.records import record
 from mauve.timing.level import Budget, finish, job_finishes
 from mauve.timing.psm import PsmTransition
 from mauve.timing.response import STEPS, Analysis, Charge, Method, interference_on
@@ -23,7 +23,7 @@ SHOWN_JOBS = 64
 """Traces and runs in a bill are spelled out for so many jobs at most."""
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class BillWork:
     """The share of one workload: how often it runs, what that costs, its trace, and a run of its PSM that costs it.
 
@@ -38,7 +38,7 @@ class BillWork:
     run: tuple[PsmTransition, ...]
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class BillLine:
     """The share of one task: `cost` = the work + `overhead` (context switches of its `jobs`)."""
 
@@ -52,7 +52,7 @@ class BillLine:
     work: tuple[BillWork, ...]
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Bill:
     """What is due in a window of length `window` that ends with job `job` of `task`.
 

@@ -11,9 +11,9 @@ search starts from the roots (which are the workload curves) and splits only the
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from heapq import heappop, heappush
 
+from mauve.records import record
 from mauve.timing.level import Interference
 from mauve.timing.psm import Psm, reachable_edges
 from mauve.timing.task import Task
@@ -28,7 +28,7 @@ COMBINATIONS = 20_000
 Totals = tuple[int, ...]
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Refinement:
     """The response w(1), a run for each machine that attains it as (task, place in its work, costs of its jobs).
 
@@ -40,7 +40,7 @@ class Refinement:
     complete: bool
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class _Node:
     """The greatest totals of 0, 1, 2, ... jobs over the runs below; a leaf has no halves."""
 
@@ -48,7 +48,7 @@ class _Node:
     halves: tuple[_Node, ...]
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class _Machine:
     task: str
     place: int

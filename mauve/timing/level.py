@@ -11,10 +11,10 @@ rises; the number of evaluations is limited, so nothing here loops without end.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass, field
 from fractions import Fraction
 from math import lcm
 
+from mauve.records import record
 from mauve.timing.task import Task
 from mauve.timing.traces import ConstantCurve, Curve
 
@@ -22,7 +22,6 @@ NEAR_ONE = 1e-6
 """Loads this close to 1 are compared as exact fractions, and give no lower bound by division."""
 
 
-@dataclass(slots=True)
 class Interference:
     """What a set of tasks demands in a window, flattened for speed: constants, jittered constants, curves.
 
@@ -31,19 +30,22 @@ class Interference:
     long-run loads, `floor` the loads that no window falls below, `offset` the floors x jitters.
     """
 
-    plain: list[tuple[int, int]] = field(default_factory=list)
-    shifted: list[tuple[int, int, int]] = field(default_factory=list)
-    curved: list[tuple[Callable[[int], int], int, int]] = field(default_factory=list)
-    tasks: list[Task] = field(default_factory=list)
-    load: float = 0.0
-    floor: float = 0.0
-    offset: float = 0.0
+    __slots__ = ("curved", "floor", "load", "offset", "plain", "shifted", "tasks")
+
+    def __init__(self) -> None:
+        self.plain: list[tuple[int, int]] = []
+        self.shifted: list[tuple[int, int, int]] = []
+        self.curved: list[tuple[Callable[[int], int], int, int]] = []
+        self.tasks: list[Task] = []
+        self.load = self.floor = self.offset = 0.0
 
     def copy(self) -> Interference:
         """An independent copy, to which tasks can be added."""
-        return Interference(
-            self.plain[:], self.shifted[:], self.curved[:], self.tasks[:], self.load, self.floor, self.offset
-        )
+        other = Interference()
+        other.plain, other.shifted, other.curved = self.plain[:], self.shifted[:], self.curved[:]
+        other.tasks = self.tasks[:]
+        other.load, other.floor, other.offset = self.load, self.floor, self.offset
+        return other
 
     def add(self, task: Task) -> None:
         """Count the work of one more task."""
@@ -97,14 +99,16 @@ def float_load(task: Task) -> float:
     return load
 
 
-@dataclass(slots=True)
 class Budget:
     """How many evaluations of the right-hand side are left for one task."""
 
-    steps: int
+    __slots__ = ("steps",)
+
+    def __init__(self, steps: int) -> None:
+        self.steps = steps
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class JobsOutcome:
     """The jobs of one busy period: their w(1), w(2), ...; `closed` if all that can matter were seen.
 

@@ -12,11 +12,12 @@ most one transition per ordered pair, costs are not negative, and parts, where g
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass, replace
 from fractions import Fraction
 
+from mauve.records import changed, record
 
-@dataclass(frozen=True, slots=True)
+
+@record
 class CostPart:
     """One contribution to the cost of a transition, e.g. a codel (`label`) and its execution time (`cost`)."""
 
@@ -24,7 +25,7 @@ class CostPart:
     cost: int
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class PsmTransition:
     """A transition, what it costs at most (its `parts` itemise that), and the cheaper ones merged into it."""
 
@@ -40,7 +41,7 @@ class PsmTransition:
         return f"{text}  {self.label}" if self.label else text
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Psm:
     """A periodic state machine; build it with `make_psm`, which merges transitions between one pair of states."""
 
@@ -70,14 +71,14 @@ def make_psm(name: str, initial: str, transitions: Iterable[PsmTransition], stat
 
 
 def _unmerged(transition: PsmTransition) -> tuple[PsmTransition, ...]:
-    return (replace(transition, alternatives=()), *transition.alternatives)
+    return (changed(transition, alternatives=()), *transition.alternatives)
 
 
 def _merge(group: list[PsmTransition]) -> PsmTransition:
     if len(group) == 1:
         return group[0]
     dearest = max(range(len(group)), key=lambda index: (group[index].cost, -index))
-    return replace(group[dearest], alternatives=tuple(t for index, t in enumerate(group) if index != dearest))
+    return changed(group[dearest], alternatives=tuple(t for index, t in enumerate(group) if index != dearest))
 
 
 def map_costs(psm: Psm, change: Callable[[PsmTransition], PsmTransition]) -> Psm:
@@ -130,7 +131,7 @@ def verify(psm: Psm) -> list[str]:
     return faults
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Shape:
     """What can be reached from where; all tuples in the order of `Psm.states`.
 

@@ -16,14 +16,17 @@ with L_i the level-i busy period. Arbitrary deadlines, jitter, blocking and a lo
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
 from enum import Enum
 from itertools import chain, groupby
+from typing import TYPE_CHECKING
 
-from mauve.timing.exact import Refinement, Runs, refine
+from mauve.records import changed, record
 from mauve.timing.level import Budget, Interference, finish, float_load, job_finishes, load_compared_to_one, repetition
 from mauve.timing.task import Kind, Task
 from mauve.timing.traces import ConstantCurve
+
+if TYPE_CHECKING:
+    from mauve.timing.exact import Refinement, Runs
 
 STEPS = 100_000
 """Evaluations of the fixed point's right-hand side allowed per task before its response is given up as unknown."""
@@ -61,7 +64,7 @@ class Caveat(Enum):
     GAVE_UP = "the exact method met too many runs; the value is a sound bound between trace and exact"
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Charge:
     """What the exact method charges one workload (`task.work[place]`) of an interfering task, job by job."""
 
@@ -70,7 +73,7 @@ class Charge:
     costs: tuple[int, ...]
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class ResponseResult:
     """The response of one task: `wcrt` from the nominal arrival, or None and the `reason`.
 
@@ -101,7 +104,7 @@ class ResponseResult:
         return None if self.wcrt is None else self.deadline - self.wcrt
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Analysis:
     """The responses of all tasks (not of interrupts and ticks), in the order given.
 
@@ -175,11 +178,11 @@ def as_seen(tasks: Sequence[Task], method: Method) -> list[Task]:
     match method:
         case Method.SPORADIC:
             return [
-                replace(task, work=tuple(replace(p, curve=ConstantCurve(p.curve.total(1))) for p in task.work))
+                changed(task, work=tuple(changed(p, curve=ConstantCurve(p.curve.total(1))) for p in task.work))
                 for task in tasks
             ]
         case Method.PAPER:
-            return [replace(task, jitter=0, blocking=0) for task in tasks]
+            return [changed(task, jitter=0, blocking=0) for task in tasks]
         case Method.TRACE | Method.EXACT:
             return list(tasks)
 
@@ -213,8 +216,12 @@ def _respond(
         return ResponseResult(task.name, None, task.deadline, method, reason), first
     lasting = [end - index * task.period for index, end in enumerate(finishes)]
     worst = lasting.index(max(lasting))
-    if method is Method.EXACT and (refined := refine(task, others, max(lasting), runs)) is not None:
-        return _refined(task, refined, jobs.busy), first
+    if method is Method.EXACT:
+        from mauve.timing.exact import refine
+
+        refined = refine(task, others, max(lasting), runs)
+        if refined is not None:
+            return _refined(task, refined, jobs.busy), first
     result = ResponseResult(
         task=task.name,
         wcrt=task.jitter + lasting[worst],
@@ -226,7 +233,7 @@ def _respond(
         caveats=_estimated(task, others, finishes[-1], len(finishes)),
     )
     if method is Method.EXACT:
-        result = replace(result, caveats=(*result.caveats, Caveat.FELL_BACK))
+        result = changed(result, caveats=(*result.caveats, Caveat.FELL_BACK))
     return result, first
 
 
@@ -280,4 +287,4 @@ def _with_paper_caveats(result: ResponseResult, tasks: Sequence[Task]) -> Respon
         caveats.append(Caveat.JITTER)
     if task.blocking > 0:
         caveats.append(Caveat.BLOCKING)
-    return replace(result, caveats=tuple(caveats))
+    return changed(result, caveats=tuple(caveats))

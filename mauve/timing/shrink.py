@@ -8,9 +8,9 @@ response. Under the methods `trace` and `exact` the probes use the trace method,
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
 from enum import Enum
 
+from mauve.records import changed, record
 from mauve.timing.level import Budget, finish, float_load, job_finishes, load_compared_to_one, repetition
 from mauve.timing.psm import PsmTransition, map_costs
 from mauve.timing.response import STEPS, Analysis, Method, interference_on
@@ -30,7 +30,7 @@ class What(Enum):
     BLOCKING = "blocking"
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Shrink:
     """One candidate: `name` costs `now` at most at an activation; with at most `at_most` the deadline holds.
 
@@ -69,7 +69,7 @@ def shrink_to_fit(analysis: Analysis, name: str, steps: int = STEPS) -> tuple[Sh
     return tuple(found)
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class _Miss:
     """The first late job, the window to its deadline, and the least excess of work over time at any moment in it.
 
@@ -81,7 +81,7 @@ class _Miss:
     gap: int
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class _Candidate:
     """A contributor, how to cap it in the `touched` tasks, and how often it is charged in the window of the miss.
 
@@ -194,7 +194,7 @@ def _candidates(tasks: Sequence[Task], missed: Task, miss: _Miss) -> list[_Candi
     return found
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class _Use:
     """A part label in one machine: its greatest cost, and how often at most it occurs in one transition."""
 
@@ -229,10 +229,10 @@ def _cap_work(owner: str, place: int) -> Callable[[Task, int], Task]:
         if task.name != owner:
             return task
         work = [
-            replace(part, curve=capped(part.curve, cost)) if index == place else part
+            changed(part, curve=capped(part.curve, cost)) if index == place else part
             for index, part in enumerate(task.work)
         ]
-        return replace(task, work=tuple(work))
+        return changed(task, work=tuple(work))
 
     return change
 
@@ -253,26 +253,26 @@ def capped(curve: Curve, cost: int) -> Curve:
 
 def _with_cost(transition: PsmTransition, cost: int) -> PsmTransition:
     """The transition at a lower cost; its parts no longer itemise it, so they are dropped."""
-    return transition if transition.cost == cost else replace(transition, cost=cost, parts=())
+    return transition if transition.cost == cost else changed(transition, cost=cost, parts=())
 
 
 def _cap_codel(label: str) -> Callable[[Task, int], Task]:
     def transition(one: PsmTransition, cost: int) -> PsmTransition:
         parts = tuple(
-            replace(part, cost=min(part.cost, cost)) if part.label == label else part for part in one.parts
+            changed(part, cost=min(part.cost, cost)) if part.label == label else part for part in one.parts
         )
         saved = sum(part.cost for part in one.parts) - sum(part.cost for part in parts)
-        return replace(one, cost=one.cost - saved, parts=parts) if saved else one
+        return changed(one, cost=one.cost - saved, parts=parts) if saved else one
 
     def workload(part: Workload, cost: int) -> Workload:
         curve = part.curve
         if not isinstance(curve, PsmCurve) or not _uses(curve, label):
             return part
-        return replace(part, curve=PsmCurve(map_costs(curve.psm, lambda one: transition(one, cost))))
+        return changed(part, curve=PsmCurve(map_costs(curve.psm, lambda one: transition(one, cost))))
 
     def change(task: Task, cost: int) -> Task:
         work = tuple(workload(part, cost) for part in task.work)
-        return task if work == task.work else replace(task, work=work)
+        return task if work == task.work else changed(task, work=work)
 
     return change
 
@@ -287,11 +287,11 @@ def _uses(curve: PsmCurve, label: str) -> bool:
 
 
 def _cap_overhead(task: Task, cost: int) -> Task:
-    return replace(task, overhead=min(task.overhead, cost))
+    return changed(task, overhead=min(task.overhead, cost))
 
 
 def _cap_blocking(owner: str) -> Callable[[Task, int], Task]:
     def change(task: Task, cost: int) -> Task:
-        return replace(task, blocking=min(task.blocking, cost)) if task.name == owner else task
+        return changed(task, blocking=min(task.blocking, cost)) if task.name == owner else task
 
     return change

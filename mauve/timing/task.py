@@ -7,10 +7,10 @@ delay each other both ways.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
 from enum import Enum
 from fractions import Fraction
 
+from mauve.records import changed, record
 from mauve.timing.psm import Psm
 from mauve.timing.traces import ConstantCurve, Curve, FramesCurve, PsmCurve, TableCurve
 
@@ -23,7 +23,7 @@ class Kind(Enum):
     TICK = "tick"
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Workload:
     """One part of a task's work: a PSM, a constant, frames or a table as a workload curve.
 
@@ -56,7 +56,7 @@ def machine(psm: Psm, period: int = 0) -> Workload:
     return Workload(psm.name, PsmCurve(psm), period)
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Task:
     """A task of a fixed-priority preemptive schedule on one processor.
 
@@ -129,7 +129,7 @@ def rate_monotonic(periods: Sequence[int]) -> tuple[int, ...]:
     return tuple(priorities)
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Interrupt:
     """An interrupt handler or system tick: at most one arrival per `period`, `cost` each with entry and exit."""
 
@@ -139,7 +139,7 @@ class Interrupt:
     kind: Kind = Kind.INTERRUPT
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Platform:
     """What the operating system adds: the cost of one context switch, ticks and interrupts."""
 
@@ -153,7 +153,7 @@ def on_platform(tasks: Sequence[Task], platform: Platform) -> tuple[Task, ...]:
     Each job of each task pays two context switches (one to it, one back) in its `overhead`, so its work and its bill
     stay apart. Interrupts and ticks become tasks above all priorities, without context switches of their own.
     """
-    switched = [replace(task, overhead=task.overhead + 2 * platform.context_switch) for task in tasks]
+    switched = [changed(task, overhead=task.overhead + 2 * platform.context_switch) for task in tasks]
     top = max((task.priority for task in tasks), default=0) + 1
     above = [
         Task(one.name, top, one.period, one.period, (constant(one.name, one.cost),), kind=one.kind)

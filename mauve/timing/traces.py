@@ -13,10 +13,10 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
-from dataclasses import dataclass
 from fractions import Fraction
 from itertools import accumulate, pairwise
 
+from mauve.records import record
 from mauve.timing.psm import Psm, PsmTransition, max_cycle_mean, reachable_edges
 
 EXACT_JOBS = (1024, 16_384)
@@ -26,7 +26,7 @@ second as long as jobs x transitions stays below EXACT_WORK."""
 EXACT_WORK = 1_000_000
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Repeat:
     """A proven law of a curve: E(l + jobs) = E(l) + cost for every l >= start."""
 

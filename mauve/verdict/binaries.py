@@ -5,12 +5,12 @@ missing.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
 
 from mauve.diagnostics.diagnostic import Applicability, Diagnostic, Fix, Label, Severity
 from mauve.lower.codels import CodelPlan
 from mauve.model.model import Binary, Board, Deployment
 from mauve.model.names import unknown
+from mauve.records import changed
 from mauve.verdict.fact_notes import collected_notes
 from mauve.wcet.result import Problem, ProblemKind, WcetResult
 
@@ -123,8 +123,8 @@ def _hardware(problem: Problem, board: Board, severity: Severity) -> Diagnostic:
         return Diagnostic("MV510", problem.message, primary, severity, place=place(problem))
     found = unknown("MV513", problem.message, "not modelled", board.core_span, core_names(), "a core")
     if found.help is None:
-        found = replace(found, notes=("the cores are " + ", ".join(f"`{name}`" for name in core_names()),))
-    return replace(found, severity=severity)
+        found = changed(found, notes=("the cores are " + ", ".join(f"`{name}`" for name in core_names()),))
+    return changed(found, severity=severity)
 
 
 def note_diagnostics(results: Sequence[WcetResult], binary: Binary) -> Iterator[Diagnostic]:

@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 from fractions import Fraction
+from typing import TYPE_CHECKING
 
 from mauve.diagnostics.diagnostic import Diagnostic, Fix, Label, Report, Severity
 from mauve.lower.placed import NodeTasks, PlacedTask
 from mauve.model.model import Deployment
-from mauve.timing.bill import Bill, BillLine, deadline_bill
 from mauve.timing.response import Analysis, Caveat, Reason, ResponseResult
-from mauve.timing.shrink import Shrink, What, shrink_to_fit
 from mauve.timing.task import Kind
 from mauve.units import format_time
+
+if TYPE_CHECKING:
+    from mauve.timing.bill import Bill, BillLine
+    from mauve.timing.shrink import Shrink
 
 
 def report_node(deployment: Deployment, node: NodeTasks, analysis: Analysis, report: Report) -> None:
@@ -71,6 +74,9 @@ def _unbounded(deployment: Deployment, placed: PlacedTask, result: ResponseResul
 def _missed(
     deployment: Deployment, placed: PlacedTask, analysis: Analysis, result: ResponseResult, severity: Severity
 ) -> Diagnostic:
+    from mauve.timing.bill import deadline_bill
+    from mauve.timing.shrink import shrink_to_fit
+
     deadline = format_time(placed.task.deadline)
     where = f"(deployment `{deployment.name}`)"
     if result.wcrt is None:
@@ -136,6 +142,8 @@ def _own(line: BillLine) -> str:
 
 def _shrink_help(shrinks: tuple[Shrink, ...]) -> Fix | None:
     """The change of one contributor, the least in proportion, that makes the deadline hold."""
+    from mauve.timing.shrink import What
+
     possible = [s for s in shrinks if s.at_most and s.what in (What.WORK, What.CODEL)]
     if not possible:
         return (

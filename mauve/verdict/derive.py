@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -11,7 +11,9 @@ from mauve.diagnostics.diagnostic import Diagnostic, Label, Report
 from mauve.lower.codels import CodelPlan, derivable, has_fallback
 from mauve.lower.platform import flow_facts, wcet_board
 from mauve.model.model import Binary, CodelId, Deployment, Interrupt
+from mauve.records import changed
 from mauve.verdict.binaries import BINARY_WIDE, note_diagnostics, problem_diagnostic, unreadable
+from mauve.verdict.derivation import Derivation, declared_handlers
 from mauve.verdict.facts import read_facts
 from mauve.verdict.stale import check_stale
 from mauve.wcet.result import Problem, ProblemKind, WcetResult
@@ -19,16 +21,6 @@ from mauve.wcet.result import Problem, ProblemKind, WcetResult
 if TYPE_CHECKING:
     from mauve.wcet.batch import Progress
     from mauve.wcet.flow.facts import Fact
-
-
-@dataclass(frozen=True, slots=True)
-class Derivation:
-    """What the binaries of a deployment say: a result per codel with the binary it comes from, and the cost of each
-    interrupt handler in picoseconds (one without a cost was reported and is left out)."""
-
-    codels: Mapping[CodelId, tuple[WcetResult, Binary]]
-    handlers: Mapping[str, int]
-    complete: bool
 
 
 def derive(
@@ -41,9 +33,9 @@ def derive(
 ) -> Derivation:
     """Analyse every codel in the binaries of the deployment, and the interrupt handlers named by symbol, in up to
     `workers` processes."""
-    if any(node.binaries for node in deployment.nodes):
-        from mauve.wcet.batch import Settings, analyse_batch
-        from mauve.wcet.cache import Cache
+    from mauve.wcet.batch import Settings, analyse_batch
+    from mauve.wcet.cache import Cache
+
     found: dict[CodelId, tuple[WcetResult, Binary]] = {}
     handlers: dict[str, int] = {}
     complete = True
@@ -71,8 +63,7 @@ def derive(
             else:
                 complete = False
                 _report_handler(interrupt, result, binary, report)
-    for node in deployment.nodes:
-        handlers |= {i.name: i.wcet for i in node.interrupts if i.wcet is not None}
+    handlers |= declared_handlers(deployment)
     _report_problems(deployment, plans, found, report)
     kept = {plan.id: found[plan.id] for plan in plans if plan.id in found and not _silent(plan, found, deployment)}
     return Derivation(kept, handlers, complete)
@@ -149,4 +140,4 @@ def _with_others(diagnostic: Diagnostic, others: list[CodelPlan]) -> Diagnostic:
     if not others or diagnostic.code in BINARY_WIDE:
         return diagnostic
     named = ", ".join(f"`{plan.id}`" for plan in others)
-    return replace(diagnostic, notes=(*diagnostic.notes, f"the same keeps {named} from having a WCET"))
+    return changed(diagnostic, notes=(*diagnostic.notes, f"the same keeps {named} from having a WCET"))

@@ -6,18 +6,18 @@ The pipeline makes these, the reports show them.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 
 from mauve.diagnostics.diagnostic import Report
 from mauve.lower.codels import CodelTime
 from mauve.lower.machines import Machine
 from mauve.lower.placed import NodeTasks
 from mauve.model.model import Deployment, Model
+from mauve.records import record
 from mauve.syntax.ast import Module
 from mauve.timing.response import Analysis
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class NodeResult:
     """One processor: its tasks and their responses (None where a task is missing)."""
 
@@ -25,7 +25,7 @@ class NodeResult:
     analysis: Analysis | None
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class DeploymentResult:
     """One deployment. `complete` says that every codel has a time and every task a place; `holds` that it is complete
     and every deadline is proven. Where it is not complete, the responses leave the missing work out: they are not
@@ -44,7 +44,7 @@ class DeploymentResult:
         return self.complete and self.holds == (self.deployment.expect_unschedulable is None)
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class CheckResult:
     """Everything a check produced, stage by stage. `deployments` is empty when the model is in error."""
 

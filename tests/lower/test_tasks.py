@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import pytest
 from written import BOARD, codes, model_of, tasks_of, times
 
@@ -14,6 +12,7 @@ from mauve.lower.codels import Source, choose_times, plan_codels
 from mauve.lower.placed import PlacedTask
 from mauve.lower.platform import flow_facts, timing_platform, wcet_board
 from mauve.model.model import CodelId
+from mauve.records import changed
 from mauve.timing.response import Method, Reason
 from mauve.timing.task import Kind, Platform
 from mauve.units import MS, US
@@ -100,7 +99,7 @@ def test_a_task_between_the_users_of_a_provider_is_blocked_too() -> None:
 
 def test_blocking_by_its_definition() -> None:
     short, long = Section("r", "a", "x", 2), Section("s", "a", "y", 5)
-    assert longest([short, replace(short, length=1), long]) == (short, long)
+    assert longest([short, changed(short, length=1), long]) == (short, long)
     assert blockers([(1, (short, long)), (2, (long,)), (3, (short,))]) == [None, long, short]
     assert blockers([(1, (short,)), (1, (short,))]) == [None, None], "equals interfere, they do not block"
     assert blockers([(1, (short,)), (2, ())]) == [None, None]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import pytest
 from hypothesis import given, settings
 
+from mauve.records import changed
 from mauve.timing.bill import SHOWN_JOBS, Bill, deadline_bill, first_finish, worst_bill
 from mauve.timing.psm import CostPart, Psm, PsmTransition, make_psm
 from mauve.timing.response import Method, Reason, analyse
@@ -217,9 +218,8 @@ def test_contributors_ruled_out_without_an_analysis_would_not_fit_at_no_cost(tas
 
 
 def with_overhead(task: Task, overhead: int) -> Task:
-    return Task(**{**{name: getattr(task, name) for name in Task.__dataclass_fields__}, "overhead": overhead})
+    return changed(task, overhead=overhead)
 
 
 def with_work(task: Task, work: tuple[object, ...]) -> Task:
-    fields = {name: getattr(task, name) for name in Task.__dataclass_fields__}
-    return Task(**{**fields, "work": work})
+    return changed(task, work=work)

@@ -11,6 +11,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from mauve.records import field_names
 from mauve.timing.response import Caveat, Method, Reason, analyse, interference_on
 from mauve.timing.task import (
     Interrupt,
@@ -259,7 +260,7 @@ def test_a_full_load_is_answered_as_a_long_look_would(tasks: list[Task]) -> None
 
 
 def _fields(one: Task) -> dict[str, Any]:
-    return {name: getattr(one, name) for name in Task.__dataclass_fields__}
+    return {name: getattr(one, name) for name in field_names(one)}
 
 
 # ------------------------------------------------------------------ laws
