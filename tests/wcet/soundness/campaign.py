@@ -57,9 +57,9 @@ class Outcome:
     problems: list[str] = field(default_factory=list)
 
 
-def compile_seed(seed: int, target: str, level: str, out: Path) -> Source:
-    """Compile the program of a seed to `out`."""
-    source = generate(seed)
+def compile_seed(seed: int, target: str, level: str, out: Path, small: bool = False) -> Source:
+    """Compile the program of a seed to `out`; `small`: one of many small functions."""
+    source = generate(seed, 24, True) if small else generate(seed)
     flags = f"{TARGETS[target][1]} {level} {FLAGS}".split()
     command = ["arm-none-eabi-gcc", *flags, "-x", "c", "-", "-x", "none", "-lc", "-lgcc", "-o", str(out)]
     subprocess.run(command, input=source.text, text=True, check=True, capture_output=True)
@@ -139,9 +139,9 @@ def examine(elf: Path, functions: tuple[Function, ...], cpu: str, seed: int, inp
     return outcome
 
 
-def run_seed(seed: int, target: str, level: str, inputs: int) -> Outcome:
+def run_seed(seed: int, target: str, level: str, inputs: int, small: bool = False) -> Outcome:
     """Everything for one seed, in a temporary folder."""
     with tempfile.TemporaryDirectory() as folder:
         elf = Path(folder) / f"{seed}{level}-{target}.elf"
-        source = compile_seed(seed, target, level, elf)
+        source = compile_seed(seed, target, level, elf, small)
         return examine(elf, source.functions, TARGETS[target][0], seed, inputs)

@@ -20,6 +20,8 @@ INTEGERS = ("int32_t", "uint32_t", "int16_t", "uint16_t", "int8_t", "uint8_t")
 LARGEST = 1_500
 """About how many times the innermost body of a function runs at most."""
 
+SMALL = 300
+
 HEADER = """#include <stdint.h>
 #include <string.h>
 typedef struct { int32_t n; uint8_t small; int16_t half; int32_t data[6]; } record;
@@ -392,31 +394,35 @@ LOOPS: list[Callable[[_Writer, _Scope], str]] = [
 ]  # fmt: skip
 
 
-def _function(w: _Writer, name: str) -> tuple[Function, str]:
+def _function(w: _Writer, name: str, small: bool) -> tuple[Function, str]:
     r = w.random
     parameters = tuple(r.choice([*INTEGERS[:2], *INTEGERS[:2], *INTEGERS, "int32_tp"]) for _ in range(r.randint(1, 5)))
     written = ", ".join(f"int32_t *a{k}" if t.endswith("p") else f"{t} a{k}" for k, t in enumerate(parameters))
     pointers = [f"a{k}" for k, t in enumerate(parameters) if t.endswith("p")]
     values = [f"a{k}" for k, t in enumerate(parameters) if not t.endswith("p")] + ["acc", "x", "y"]
-    scope = _Scope(values, ["x", "y", "acc"], [*pointers, "g_words", "local"], LARGEST)
-    body = w.block(scope, r.randint(1, 4))
+    scope = _Scope(values, ["x", "y", "acc"], [*pointers, "g_words", "local"], SMALL if small else LARGEST)
+    scope.depth = 3 if small else 0
+    body = r.choice(LOOPS)(w, scope) if small else w.block(scope, r.randint(1, 4))
     types = [r.choice(INTEGERS) for _ in range(2)]
     local = "int32_t local[32]; for (int k = 0; k < 32; k++) local[k] = k;"
+    if small:
+        local = "int32_t local[32]; __asm__ volatile(\"\" : \"=m\"(local));"
     head = f"__attribute__((noinline)) int32_t {name}({written})"
     start = f"int32_t acc = 0; {types[0]} x = {w.constant()}; {types[1]} y = {r.choice(values[:-3] or ['3'])}; {local}"
     return Function(name, parameters), f"{head} {{\n  {start}\n  {body}\n  return acc + x - y + local[acc & 31];\n}}\n"
 
 
-def generate(seed: int, functions: int = 4) -> Source:
-    """The program of a seed."""
+def generate(seed: int, functions: int = 4, small: bool = False) -> Source:
+    """The program of a seed. `small`: each function is one loop, perhaps with another in it, and calls nothing."""
     writer = _Writer(Random(seed))
     writer.floats = writer.random.random() < 0.2
     texts, made = [HEADER], []
     for number in range(functions):
-        function, text = _function(writer, f"f{number}")
+        function, text = _function(writer, f"f{number}", small)
         made.append(function)
         texts.append(text)
-        writer.callees = [*writer.callees, (function, "1000")]
+        if not small:
+            writer.callees = [*writer.callees, (function, "1000")]
     return Source("\n".join(texts), tuple(made))
 
 

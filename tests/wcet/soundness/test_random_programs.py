@@ -47,3 +47,12 @@ def test_random_programs_stay_within_their_bounds(seed: int, target: str) -> Non
 def test_a_seed_gives_the_same_program() -> None:
     assert generate(11) == generate(11)
     assert generate(11).text != generate(12).text
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("target", TARGETS)
+@pytest.mark.parametrize("seed", SEEDS)
+def test_random_loops_stay_within_their_bounds(seed: int, target: str) -> None:
+    """Many small functions of a loop or two each."""
+    level = LEVELS[(seed + list(TARGETS).index(target)) % len(LEVELS)]
+    accept(run_seed(seed, target, level, INPUTS, small=True))
