@@ -30,7 +30,7 @@ ASSUMPTIONS = (
     "the stack pointer is valid, and the stack is not reached through arguments or globals",
     "code is not written",
     "pointer arguments do not alias the active frames",
-    "data in the binary's memory changes only by the analysed code while it runs",
+    "data in the binary's memory, and objects reached through pointers, change only by the analysed code while it runs",
 )
 ROUNDS = 4
 """How often targets of pointers that the analysis found are put into the graphs."""

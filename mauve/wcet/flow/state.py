@@ -24,6 +24,8 @@ ABSOLUTE = 0
 """The region of fixed addresses."""
 NARROW = 1 << 20
 """An offset that varies by less than this is one that we follow; a wider one is as good as unknown."""
+FAR = 1 << 16
+"""An offset from an unknown number that is no smaller is taken for an address, the unknown number for an index."""
 MOST_READ = 32
 """What was read from a region outside the frame is remembered for at most this many cells."""
 IN_STACK, OF_FRAME = 1 << 4, 1 << 5
@@ -477,11 +479,11 @@ class State:
         """Read `size` bytes and extend; `image` gives read-only (or initial) data."""
         region, low, high = self.place(address)
         value: Value | None = None
-        if region is not None and low == high:
+        if region is not None and low == high and _is_memory(region, low, image):
             value = self._load_cell(region, low, size)
             if value is None and region == ABSOLUTE:
                 value = image(low, size)
-            if value is None and (region != ABSOLUTE or image(low & ~3, 0) is not None):
+            if value is None:
                 value = self._unknown(region, high, size)
                 if region == FRAME or len(self.memory.get(region, ())) < MOST_READ:
                     self.forget_bytes(region, low, low + size - 1)
@@ -570,6 +572,15 @@ class State:
         self.ranges = {symbol: known for symbol, known in self.ranges.items() if symbol in live}
         self.pins = {}
         self.taints = {symbol: mask for symbol, mask in self.taints.items() if symbol in live}
+
+
+def _is_memory(region: int, offset: int, image: Callable[[int, int], int | None]) -> bool:
+    """Whether two loads from a place give the same number. A fixed address that is not the binary's may be a device,
+    also as the base of an index: what was written there is not what is read. What pointers lead to is taken for memory.
+    """
+    if region == FRAME or (region != ABSOLUTE and abs(offset) < FAR):
+        return True
+    return image(offset & MASK & ~3, 0) is not None
 
 
 _BY_SIZE = {1: domain.BYTE, 2: domain.HALF, 4: TOP}
