@@ -25,8 +25,7 @@ def parse(argv: Sequence[str]) -> argparse.Namespace:
         allow_abbrev=False,
     )
     top.add_argument("--version", action="version", version=f"mauvec {__version__}")
-    # With `prog`, argparse does not format a usage line to learn it.
-    commands = top.add_subparsers(title="commands", metavar="COMMAND", required=True, prog="mauvec")
+    commands = top.add_subparsers(title="commands", metavar="COMMAND", required=True)
     for command, add in COMMANDS.items():
         add(_Commands(commands, command))
     _check_command(top, argv)

@@ -16,6 +16,7 @@ from mauve.records import record
 from mauve.source import SourceFile, Span
 from mauve.syntax import ast
 from mauve.syntax.parse import parse
+from mauve.syntax.table import package_text
 
 LARGEST = 4 << 20
 """A longer file, in bytes, is refused: no model written by a person comes near."""
@@ -92,10 +93,8 @@ def load_modules(path: Path, report: Report) -> tuple[ast.Module, ...]:
 
 def standard_module(name: str, report: Report) -> ast.Module | None:
     """A module of the standard library: `boards` gives std.boards. None where there is none of that name."""
-    from importlib.resources import files
-
     try:
-        text = files("mauve").joinpath("std", f"{name}.mauve").read_text(encoding="utf-8")
+        text = package_text("mauve", f"std/{name}.mauve")
     except OSError:
         return None
     return parse(SourceFile(f"std/{name}.mauve", text), report)

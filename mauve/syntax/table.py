@@ -42,9 +42,20 @@ class Table:
 
 def grammar_text() -> str:
     """The text of mauve.lark, wherever the package is installed."""
-    from importlib.resources import files
+    return package_text("mauve.syntax", "mauve.lark")
 
-    return files("mauve.syntax").joinpath("mauve.lark").read_text(encoding="utf-8")
+
+def package_text(package: str, name: str) -> str:
+    """A text file that is installed with a package, `/` between folders; OSError where there is none.
+
+    Where files are only read, `importlib.resources` would import archives, temporary files and random numbers.
+    """
+    from pkgutil import get_data
+
+    data = get_data(package, name)
+    if data is None:
+        raise FileNotFoundError(name)
+    return data.decode("utf-8")
 
 
 @cache

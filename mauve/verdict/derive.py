@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -133,7 +132,7 @@ def _report_problems(
 
 def _cause(problem: Problem) -> Problem:
     """The problem without the way on which one codel comes to it."""
-    return replace(problem, call_path=()) if problem.address is not None else problem
+    return changed(problem, call_path=()) if problem.address is not None else problem
 
 
 def _with_others(diagnostic: Diagnostic, others: list[CodelPlan]) -> Diagnostic:

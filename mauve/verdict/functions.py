@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import replace
 
 from mauve.diagnostics.diagnostic import Diagnostic, Fix, Severity
+from mauve.records import changed
 from mauve.verdict.binaries import CODES, NOTES, place
 from mauve.verdict.fact_notes import collected_notes
 from mauve.wcet.result import Problem, ProblemKind, WcetResult
@@ -37,7 +37,7 @@ def function_diagnostics(
 
 def _problem(path: str, problem: Problem, names: list[str], near: tuple[str, ...]) -> Diagnostic:
     if len(names) > 1:
-        problem = replace(problem, call_path=())
+        problem = changed(problem, call_path=())
     message = problem.message
     if problem.kind is ProblemKind.SYMBOL and near:
         message += f"; it has {' and '.join(f'`{name}`' for name in near)}"

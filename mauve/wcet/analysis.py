@@ -7,11 +7,11 @@ from __future__ import annotations
 
 import time
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import replace
 from hashlib import sha256
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from mauve.records import changed
 from mauve.wcet.cache import Cache, result_key
 from mauve.wcet.flow.facts import Fact
 from mauve.wcet.hardware.board import Board
@@ -69,7 +69,7 @@ def analyse_each(
             loaded = _load(binary, data)
             common = loaded if isinstance(loaded, Problem) else _Common(loaded, board, tuple(facts), initial_data)
         result = _failed(function, None, common) if isinstance(common, Problem) else common.analyse(function, timeout)
-        result = replace(result, seconds=time.perf_counter() - started)
+        result = changed(result, seconds=time.perf_counter() - started)
         # Time or size ended it: another run may come further.
         gave_up = any(problem.kind is ProblemKind.LIMIT for problem in result.problems)
         if cache is not None and key is not None and not gave_up:

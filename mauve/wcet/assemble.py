@@ -5,8 +5,8 @@ problems with the way to them, assumptions.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import replace
 
+from mauve.records import changed
 from mauve.units import cycles_to_time
 from mauve.wcet.assumptions import ALWAYS, board_assumptions
 from mauve.wcet.flow.result import ContextKey, FunctionFlow, ProgramFlow
@@ -132,7 +132,7 @@ def _problems(
     found: dict[tuple[object, ...], Problem] = {}
     paths = _paths(program)
     inside = (
-        replace(problem, call_path=problem.call_path or paths[key])
+        changed(problem, call_path=problem.call_path or paths[key])
         for key, bound in bounds.items()
         if key in paths
         for problem in bound.problems
@@ -168,4 +168,4 @@ def _callees(flow: FunctionFlow) -> Iterator[ContextKey]:
 def _located(problem: Problem, lines: Lines) -> Problem:
     if problem.source or problem.address is None:
         return problem
-    return replace(problem, source=lines(problem.address))
+    return changed(problem, source=lines(problem.address))

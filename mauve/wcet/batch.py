@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
 from hashlib import sha256
 from pathlib import Path
 
+from mauve.records import record
 from mauve.wcet.analysis import analyse_each
 from mauve.wcet.cache import Cache, result_key
 from mauve.wcet.flow.facts import Fact
@@ -20,7 +20,7 @@ FEW = 24
 """So many functions are not worth a second process: what they have in common would be analysed in each."""
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Settings:
     """What an analysis depends on beside the executable and the function."""
 

@@ -11,7 +11,6 @@ import os
 import sqlite3
 import time
 from contextlib import closing, suppress
-from dataclasses import asdict
 from enum import Enum
 from functools import lru_cache
 from hashlib import sha256
@@ -20,6 +19,7 @@ from pathlib import Path
 from typing import Any
 
 from mauve import __version__
+from mauve.records import field_names, is_record
 from mauve.wcet.flow.facts import Fact
 from mauve.wcet.hardware.board import Board
 from mauve.wcet.result import (
@@ -136,9 +136,15 @@ def tool_state() -> str:
 # -------------------------------------------------------------------------------------------------------- values
 def encode(result: WcetResult) -> dict[str, Any]:
     """A result as plain JSON values."""
-    plain = asdict(result, dict_factory=lambda pairs: {k: v.value if isinstance(v, Enum) else v for k, v in pairs})
-    assert isinstance(plain, dict)
-    return plain
+    return {name: _plain(getattr(result, name)) for name in field_names(result)}
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, tuple):
+        return [_plain(each) for each in value]
+    if is_record(value):
+        return {name: _plain(getattr(value, name)) for name in field_names(value)}
+    return value.value if isinstance(value, Enum) else value
 
 
 def decode(data: dict[str, Any]) -> WcetResult:

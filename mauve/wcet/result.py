@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from enum import Enum
+
+from mauve.records import record
 
 
 class Origin(Enum):
@@ -15,7 +16,7 @@ class Origin(Enum):
     ASSUMED = "assumed"
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class LoopResult:
     """A loop in one function: `bound` counts executions of the header per entry of the loop (None: not bounded);
     `total` the executions of the header per execution of the function where a total tighter than bound x entries is
@@ -33,7 +34,7 @@ class LoopResult:
     context: str = ""
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class BlockResult:
     """A block of the worst path: executions per execution of the analysed function, cycles of its dearest execution
     there, and cycles of all of them (`total`; a block left by different edges costs differently). Callees are not in
@@ -73,7 +74,7 @@ class ProblemKind(Enum):
     """a fact that allows more than the analysis proves: the smaller bound is used"""
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Problem:
     """One located reason. `source` is `file.c:41` where line information exists; `function` the one that holds
     `address`; `call_path` the functions from the analysed one down to it."""
@@ -89,7 +90,7 @@ class Problem:
     """for a problem of a flow fact: where the fact stands, as `LoopFact.written` says"""
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class CallResult:
     """A callee: its bound per call and how often the worst path calls it."""
 
@@ -99,7 +100,7 @@ class CallResult:
     cycles: int
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class WcetResult:
     """The bound of one function on one board. `cycles` is None exactly when `problems` is not empty.
 

@@ -5,11 +5,11 @@ from __future__ import annotations
 import sqlite3
 import subprocess
 import sys
-from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
+from mauve.records import changed
 from mauve.wcet.cache import Cache, cache_path, decode, encode, result_key
 from mauve.wcet.flow.facts import AtLine, Counting, LoopFact
 from mauve.wcet.hardware.board import Board, Memory
@@ -54,10 +54,10 @@ def test_the_key_depends_on_everything() -> None:
         result_key("hash2", "f", BOARD, (), False),
         result_key("hash", "g", BOARD, (), False),
         result_key("hash", 0x8000, BOARD, (), False),
-        result_key("hash", "f", replace(BOARD, hertz=2000), (), False),
-        result_key("hash", "f", replace(BOARD, memories=(Memory("ram", 0, 16, 2),)), (), False),
+        result_key("hash", "f", changed(BOARD, hertz=2000), (), False),
+        result_key("hash", "f", changed(BOARD, memories=(Memory("ram", 0, 16, 2),)), (), False),
         result_key("hash", "f", BOARD, (fact,), False),
-        result_key("hash", "f", BOARD, (replace(fact, maximum=7),), False),
+        result_key("hash", "f", BOARD, (changed(fact, maximum=7),), False),
         result_key("hash", "f", BOARD, (), True),
     ]
     assert len(set(keys)) == len(keys)

@@ -9,6 +9,7 @@ from typing import Any
 import jsonschema
 import pytest
 
+from mauve.records import changed
 from mauve.wcet.result import ProblemKind
 from mauve.wcet.serialize import SCHEMA, document, function
 from tests.wcet.test_cache import BOARD, FAILED, FULL
@@ -31,9 +32,8 @@ def test_documents_follow_the_schema(schema: dict[str, Any]) -> None:
 
 def test_nanoseconds_are_rounded_up() -> None:
     assert function(FULL)["wcet_ns"] == 5 * 10**15
-    from dataclasses import replace
 
-    assert function(replace(FULL, time=1001))["wcet_ns"] == 2
+    assert function(changed(FULL, time=1001))["wcet_ns"] == 2
     assert function(FAILED)["wcet_ns"] is None
 
 

@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from enum import Enum
 
+from mauve.records import record
 
-@dataclass(frozen=True, slots=True)
+
+@record
 class AtAddress:
     """A place given by a number."""
 
     address: int
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class AtSymbol:
     """A place given by a symbol and a byte offset."""
 
@@ -21,7 +22,7 @@ class AtSymbol:
     offset: int = 0
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class AtLine:
     """A source line. `file` matches a path of the line table when it is equal to it or to its last components."""
 
@@ -43,7 +44,7 @@ class Counting(Enum):
     """passes along back edges, as OTAWA counts: one more header execution, whatever the shape of the loop"""
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class LoopFact:
     """The loop at `place` runs at most `maximum` times per entry, and at most `total` times per execution of the
     function, both counted as `counting` says."""
@@ -68,7 +69,7 @@ class ControlKind(Enum):
     """the indirect branch or call at `place` goes to one of `targets`"""
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class ControlFact:
     """What a branch, call or function does."""
 

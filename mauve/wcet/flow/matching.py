@@ -13,8 +13,9 @@ an inner `for` often stands in the header of the outer loop.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
+from mauve.records import changed
 from mauve.wcet.binary.graph import Cfg
 from mauve.wcet.binary.loops import Loop, LoopNest
 from mauve.wcet.flow.facts import AtAddress, AtLine, AtSymbol, Counting, Fact, LoopFact, Place
@@ -228,11 +229,11 @@ def _apply(
     place = Problem(ProblemKind.FACT_LOOSE, "", header, cfg.name, _source(lines, header), written=fact.written)
     if bound is not None and index in least and bound < least[index]:
         message = f"the fact allows {bound} executions of the loop's header, but at least {least[index]} always happen"
-        result.problems.append(replace(place, kind=ProblemKind.FACT_CONTRADICTED, message=message))
+        result.problems.append(changed(place, kind=ProblemKind.FACT_CONTRADICTED, message=message))
         return
     if bound is not None and index in derived and bound > derived[index]:
         message = f"the fact allows {bound} executions of the loop's header, the analysis proves {derived[index]}"
-        result.notes.append(replace(place, message=message))
+        result.notes.append(changed(place, message=message))
     before = result.bounds.get(index)
     if before is not None:
         bound, total = _smaller(before.bound, bound), _smaller(before.total, total)

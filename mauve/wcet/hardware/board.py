@@ -3,10 +3,10 @@ off."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from mauve.records import record
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Memory:
     """A region of the address space. `wait` counts wait states in CPU cycles added to each access (0: single cycle)."""
 
@@ -23,7 +23,7 @@ class Memory:
         return self.start + self.size
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Board:
     """`features` are hardware mechanisms the board has switched on, in words (`icache 16KiB 4-way`, `mmu`): those that
     no model covers are a problem of every bound. A board without memories has zero wait states everywhere."""
