@@ -1,9 +1,10 @@
-"""The budgets of the command line, measured: `python benchmarks/run.py [--runs N] [--json FILE]`.
+"""The budgets of the command line, measured: `python benchmarks/run.py [--runs N] [--python PYTHON] [--json FILE]`.
 
 Each figure is the CPU time (user + system) of a whole child process as the operating system counts it, the median of
-several runs. Machines differ: beside each figure stand its ratios to a bare interpreter's start and to a loop of
-interpreted arithmetic, both measured in between. Caches and bytecode lie in a folder of this run; `warm` means that one
-run went before.
+several runs, and the least, which other work on the machine inflates less. Machines differ: beside each figure stand
+its ratios to a bare interpreter's start and to a loop of interpreted arithmetic, both measured in between. Caches lie
+in a folder of this run; `warm` means that one run went before. What is measured is the copy of mauvec installed beside
+PYTHON, or else this checkout; either from compiled bytecode.
 """
 
 from __future__ import annotations
@@ -13,6 +14,7 @@ import json
 import os
 import platform
 import statistics
+import subprocess
 import sys
 import tempfile
 import time
@@ -32,6 +34,9 @@ PACKAGES = ("lark", "capstone", "pyelftools", "pulp")
 BARE = ("-c", "pass")
 LOOP = ("-c", "x = 0\nfor i in range(3_000_000):\n    x = (x * 5 + i) & 65535")
 
+Command = tuple[str, float | None, tuple[str, ...]]
+"""A name, a budget, and the words of the command."""
+
 
 @dataclass(frozen=True)
 class Case:
@@ -44,11 +49,12 @@ class Case:
 
 @dataclass(frozen=True)
 class Figure:
-    """Medians in seconds; `spread` is the greatest CPU time less the smallest."""
+    """Medians in seconds; `least` and `spread` are the smallest CPU time and how far the greatest is above it."""
 
     name: str
     budget: float | None
     cpu: float
+    least: float
     wall: float
     spread: float
     memory_mib: float
@@ -57,17 +63,21 @@ class Figure:
 def main() -> int:
     arguments = _arguments()
     with tempfile.TemporaryDirectory() as folder:
-        environment = _environment(folder)
+        environment = _environment(folder, arguments.python is None)
+        python = arguments.python or sys.executable
+        mauvec = (python, "-P", "-m", "mauve")
         cases = _cases(Path(folder))
         for case in cases:  # bytecode, the parse table, results of unchanged binaries
-            _once(("-m", "mauve", *case.arguments), environment)
-        commands = [("bare interpreter", None, BARE), ("calibration loop", None, LOOP)]
-        commands += [(case.name, case.budget, ("-m", "mauve", *case.arguments)) for case in cases]
+            _once((*mauvec, *case.arguments), environment)
+        commands: list[Command] = [("bare interpreter", None, (python, *BARE))]
+        commands += [("calibration loop", None, (python, *LOOP))]
+        commands += [(case.name, case.budget, (*mauvec, *case.arguments)) for case in cases]
         figures = _measure(commands, arguments.runs, environment)
-    _print(figures, arguments.runs)
+        machine = _machine() | {"measured": _copy(python, environment)}
+    _print(figures, arguments.runs, machine)
     print(f"\n{CODEL}: {_size()}")
     if arguments.json:
-        document = {"machine": _machine(), "runs": arguments.runs, "figures": [asdict(figure) for figure in figures]}
+        document = {"machine": machine, "runs": arguments.runs, "figures": [asdict(figure) for figure in figures]}
         Path(arguments.json).write_text(json.dumps(document, indent=2) + "\n", encoding="utf-8")
     return 0 if all(figure.budget is None or figure.cpu <= figure.budget for figure in figures) else 1
 
@@ -75,14 +85,29 @@ def main() -> int:
 def _arguments() -> argparse.Namespace:
     parser = argparse.ArgumentParser(description="Measure the budgets of the command line.")
     parser.add_argument("--runs", type=int, default=7, help="runs of each command (default: 7)")
+    about = "the interpreter of an environment with mauvec installed (default: this one, with this checkout)"
+    parser.add_argument("--python", metavar="PYTHON", help=about)
     parser.add_argument("--json", metavar="FILE", help="write the figures to a file, too")
     return parser.parse_args()
 
 
-def _environment(folder: str) -> dict[str, str]:
+def _environment(folder: str, checkout: bool) -> dict[str, str]:
     kept = {name: value for name, value in os.environ.items() if not name.startswith(("PYTHON", "MAUVEC"))}
-    own = {"XDG_CACHE_HOME": f"{folder}/cache", "PYTHONPYCACHEPREFIX": f"{folder}/bytecode", "PYTHONPATH": str(ROOT)}
-    return {**kept, **own}
+    kept["XDG_CACHE_HOME"] = f"{folder}/cache"
+    if checkout:  # its bytecode is kept for this run, whatever the environment says about writing bytecode
+        kept |= {"PYTHONPYCACHEPREFIX": f"{folder}/bytecode", "PYTHONPATH": str(ROOT)}
+    return kept
+
+
+def _copy(python: str, environment: dict[str, str]) -> str:
+    """Where the measured copy lies, and whether its bytecode does; SystemExit where there is none."""
+    program = "import mauve.cli, os; print(mauve.__file__, os.path.exists(mauve.cli.__cached__))"
+    found = subprocess.run([python, "-P", "-c", program], env=environment, capture_output=True, text=True)
+    if found.returncode:
+        raise SystemExit(f"{python} has no mauvec")
+    place, _, compiled = found.stdout.strip().rpartition(" ")
+    kind = "this checkout" if Path(place).is_relative_to(ROOT) else "an installed copy"
+    return f"{kind}, {'compiled' if compiled == 'True' else 'NOT compiled'} ({python} -m mauve)"
 
 
 def _cases(folder: Path) -> list[Case]:
@@ -93,15 +118,13 @@ def _cases(folder: Path) -> list[Case]:
     codel = ("wcet", str(TTRK / "ttrk.elf"), CODEL, "--board", board, "--no-cache", "--jobs", "1")
     return [
         Case("check, 150 lines, no binaries, warm", 0.35, ("check", str(small))),
-        Case("check, TTRK, binary unchanged, warm", 0.45, ("check", robot, "--deployment", "on_robot")),
+        Case("check, TTRK, binary unchanged, warm", 0.45, ("check", robot)),
         Case("10 000 lines parsed and resolved", 5.0, ("check", str(large), "--emit", "model")),
         Case(f"one codel ({CODEL}), cold", 1.0, codel),
     ]
 
 
-def _measure(
-    commands: Sequence[tuple[str, float | None, tuple[str, ...]]], runs: int, environment: dict[str, str]
-) -> list[Figure]:
+def _measure(commands: Sequence[Command], runs: int, environment: dict[str, str]) -> list[Figure]:
     """All commands in turn, as often as asked: a slow spell of the machine meets all of them."""
     found: dict[str, list[tuple[float, float, float]]] = {name: [] for name, _, _ in commands}
     for _ in range(runs):
@@ -111,7 +134,7 @@ def _measure(
     for name, budget, _ in commands:
         cpu, wall, memory = (sorted(values) for values in zip(*found[name], strict=True))
         middle, spread = statistics.median(cpu), cpu[-1] - cpu[0]
-        figures.append(Figure(name, budget, middle, statistics.median(wall), spread, memory[-1]))
+        figures.append(Figure(name, budget, middle, cpu[0], statistics.median(wall), spread, memory[-1]))
     return figures
 
 
@@ -119,7 +142,7 @@ def _once(command: Sequence[str], environment: dict[str, str]) -> tuple[float, f
     """CPU seconds, wall seconds and MiB of one child; its output goes nowhere."""
     nowhere = [(os.POSIX_SPAWN_OPEN, stream, os.devnull, os.O_WRONLY, 0) for stream in (1, 2)]
     started = time.perf_counter()
-    child = os.posix_spawn(sys.executable, [sys.executable, *command], environment, file_actions=nowhere)
+    child = os.posix_spawn(command[0], list(command), environment, file_actions=nowhere)
     _, status, usage = os.wait4(child, 0)
     wall = time.perf_counter() - started
     if os.waitstatus_to_exitcode(status) not in (0, 1):
@@ -127,17 +150,18 @@ def _once(command: Sequence[str], environment: dict[str, str]) -> tuple[float, f
     return usage.ru_utime + usage.ru_stime, wall, usage.ru_maxrss / 1024
 
 
-def _print(figures: Sequence[Figure], runs: int) -> None:
-    for name, value in _machine().items():
+def _print(figures: Sequence[Figure], runs: int, machine: dict[str, str]) -> None:
+    for name, value in machine.items():
         print(f"{name}: {value}")
     print(f"medians of {runs} runs; CPU seconds of the whole process, children included\n")
     bare, loop = figures[0].cpu, figures[1].cpu
-    print(f"{'':<38} {'budget':>7} {'CPU':>7} {'spread':>7} {'wall':>7} {'MiB':>5} {'x bare':>7} {'x loop':>7}")
+    columns = "".join(f" {name:>7}" for name in ("budget", "CPU", "least", "spread", "wall"))
+    print(f"{'':<38}{columns} {'MiB':>5} {'x bare':>7} {'x loop':>7}")
     for each in figures:
         budget = "" if each.budget is None else f"{each.budget:.2f}"
         verdict = "" if each.budget is None else "  within" if each.cpu <= each.budget else "  OVER"
         print(
-            f"{each.name:<38} {budget:>7} {each.cpu:>7.3f} {each.spread:>7.3f} {each.wall:>7.3f} "
+            f"{each.name:<38} {budget:>7} {each.cpu:>7.3f} {each.least:>7.3f} {each.spread:>7.3f} {each.wall:>7.3f} "
             f"{each.memory_mib:>5.0f} {each.cpu / bare:>7.1f} {each.cpu / loop:>7.2f}{verdict}"
         )
 
