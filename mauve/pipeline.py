@@ -63,7 +63,10 @@ def _standard_boards(modules: tuple[Module, ...], report: Report) -> tuple[Modul
     if not any(_names_board(module) for module in modules):
         return ()
     module = standard_module("boards", report)
-    return (module,) if module is not None else ()
+    if module is None:
+        return ()
+    imported = (m for m in modules if m == module)  # `import std.boards` has read it: its boards are declared once
+    return (next(imported, module),)
 
 
 def _names_board(module: Module) -> bool:

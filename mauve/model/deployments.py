@@ -203,11 +203,12 @@ def _node(item: MergedNode, architecture: Architecture, platform: Platform, repo
 def _board(node: ast.NodeDecl, platform: Platform, report: Report) -> Board | None:
     name = node.board
     if isinstance(name, ast.String):
+        own = platform.scope.own.get(name.value)
+        if isinstance(own, ast.BoardDecl):
+            return platform.boards.get(id(own))
         board = platform.standard_boards.get(name.value)
         if board is None:
-            message = f"there is no board `{name.value}`"
-            label = "not one of the standard library"
-            report.add(unknown("MV109", message, label, name.span, list(platform.standard_boards), "a board"))
+            report.add(_no_such_board(name, platform))
         return board
     found = platform.scope.find(name, (ast.BoardDecl,))
     if found is None:
@@ -216,6 +217,14 @@ def _board(node: ast.NodeDecl, platform: Platform, report: Report) -> Board | No
         report.add(unknown("MV109", message, platform.scope.where(), name.span, known, "a board"))
         return None
     return platform.boards.get(id(found))
+
+
+def _no_such_board(name: ast.String, platform: Platform) -> Diagnostic:
+    """MV109 for a board that is named by a string."""
+    message, label = f"there is no board `{name.value}`", "not one of this file nor of the standard library"
+    known = ", ".join(f'`"{board}"`' for board in platform.standard_boards)
+    help_ = Fix(f"describe it by `board ... {{ }}`, or name one of the standard library: {known}")
+    return Diagnostic("MV109", message, Label(name.span, label), help=help_)
 
 
 def _rate_monotonic(item: MergedNode, report: Report) -> bool:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from mauve.diagnostics.diagnostic import Diagnostic, Fix, Label, Report
+from mauve.diagnostics.suggest import closest
 from mauve.model.names import Scope, unknown
 from mauve.model.types import BUILT_IN, INTEGER_RANGES, Array, Enum, Scalar, Struct, Type, make_struct, size_of
 from mauve.source import Span
@@ -60,9 +61,17 @@ class TypeTable:
                     help_ = Fix(f"the built-in type is called `{near_builtin}`")
                     diagnostic = Diagnostic("MV102", message, diagnostic.primary, help=help_)
                 self._report.add(diagnostic)
-                return None
+                return self._array(self._meant(name, near_builtin, visible), ref)
             base = self.declaration(found)
         return self._array(base, ref)
+
+    def _meant(self, name: str, builtin: str | None, visible: Mapping[str, ast.Declaration]) -> Type | None:
+        """The type that stands in for an unknown one, so that one wrong name is one message."""
+        near = closest(name.rsplit(".", 1)[-1], visible)
+        found = visible[near[0]] if near else None
+        if isinstance(found, (ast.StructDecl, ast.EnumDecl)):
+            return self.declaration(found)
+        return BUILT_IN[builtin] if builtin else make_struct(name, ())
 
     def _array(self, base: Type | None, ref: ast.TypeRef) -> Type | None:
         if len(ref.dimensions) > MOST_DIMENSIONS:

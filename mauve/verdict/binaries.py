@@ -62,6 +62,8 @@ def problem_diagnostic(
     primary = Label(plan.codel.span, "this codel")
     help_: Fix | None = None
     message = f"`{plan.id}` has no WCET: {problem.message}"
+    if problem.kind is ProblemKind.HARDWARE:
+        help_ = Fix(f"compile it for the board's processor, as by `-mcpu={board.core}`, or `assume {plan.id} wcet ...`")
     if problem.kind is ProblemKind.LOOP:
         message = f"a loop of `{plan.id}` has no bound, so it has no WCET"
         at = f'"{problem.source}"' if problem.source else f"{problem.address or 0:#x}"
@@ -95,6 +97,9 @@ def _symbol(
         from mauve.wcet.batch import near_names
 
         near = near_names(binary.path, plan.symbol)[:3]
+        reason = problem.message.partition(": ")[2]
+        if reason:
+            notes = (reason, *notes)
         if near:
             notes = ("it has " + " and ".join(f"`{other}`" for other in near), *notes)
     if plan.symbol_span is not None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -121,13 +122,32 @@ def _report_problems(
             result, binary = found[plan.id]
             for problem in result.problems:
                 causes.setdefault((binary.path, _cause(problem)), []).append(plan)
+    places = Counter(_remedy(path, cause, affected) for (path, cause), affected in causes.items())
     for (path, cause), affected in causes.items():
+        more = places.pop(_remedy(path, cause, affected), 0) - 1
+        if more < 0:
+            continue
         plan = affected[0]
         result, binary = found[plan.id]
         problem = next(p for p in result.problems if _cause(p) == cause)
         fallback = all(has_fallback(one, deployment) for one in affected)
         diagnostic = problem_diagnostic(problem, plan, binary, boards[path], deployment, fallback)
-        report.add(_with_others(diagnostic, affected[1:]))
+        report.add(_with_others(_with_places(diagnostic, more), affected[1:]))
+
+
+def _remedy(path: str, cause: Problem, affected: list[CodelPlan]) -> tuple[object, ...]:
+    """What is the same for problems that one change removes: only the first of them is told. The wrong processor, or a
+    board without the memory of the code, shows at many places."""
+    if cause.kind in (ProblemKind.HARDWARE, ProblemKind.OUTSIDE) and cause.address is not None:
+        return (path, cause.kind, *(plan.id for plan in affected))
+    return (path, cause)
+
+
+def _with_places(diagnostic: Diagnostic, more: int) -> Diagnostic:
+    if more == 0:
+        return diagnostic
+    text = f"the same holds for {more} more place{'s' if more > 1 else ''}"
+    return changed(diagnostic, notes=(*diagnostic.notes, text))
 
 
 def _cause(problem: Problem) -> Problem:

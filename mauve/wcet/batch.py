@@ -53,12 +53,17 @@ def all_functions(path: str | Path) -> tuple[str | int, ...] | Problem:
 
 
 def near_names(path: str | Path, wanted: str) -> tuple[str, ...]:
-    """Functions of the executable that a misspelt name may mean; empty where it cannot be read."""
+    """Functions of the executable that a misspelt name may mean, mangled ones of C++ included; empty where it cannot
+    be read."""
     from mauve.diagnostics.suggest import closest
     from mauve.wcet.binary.elf import ElfProblem, load
 
     binary = load(path)
-    return () if isinstance(binary, ElfProblem) else closest(wanted, binary.function_names())
+    if isinstance(binary, ElfProblem):
+        return ()
+    names = binary.function_names()
+    mangled = f"_Z{len(wanted)}{wanted}"  # Itanium C++ ABI, section 5.1: a function outside namespaces and classes
+    return tuple(name for name in names if name.startswith(mangled)) or closest(wanted, names)
 
 
 def analyse_batch(

@@ -9,12 +9,13 @@ import re
 import resource
 import subprocess
 import sys
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 from wcet.fixtures.bad_images import bad_images
 
-from .conftest import ELF, MODEL, Command, Run
+from .conftest import ELF, MODEL, WITH_BINARY, Command, Run
 
 MEMORY = 1 << 30
 SECONDS = 30
@@ -119,6 +120,14 @@ def test_a_stripped_executable_says_what_to_do(mauvec: Command, tmp_path: Path) 
     every = mauvec("wcet", elf, "--board", "generic-arm7tdmi")
     assert (every.code, every.out) == (1, "")
     assert "no symbols" in every.err and "[MV501]" in every.err
+
+
+def test_a_model_with_a_stripped_executable_says_so(mauvec: Command, model: Callable[[str], str]) -> None:
+    file = model(WITH_BINARY.replace(str(ELF), "stripped.elf"))
+    Path("stripped.elf").write_bytes(IMAGES["stripped"])
+    run = mauvec("check", file)
+    assert run.code == 1 and run.err.count("error[") == 1
+    assert "the binary is stripped" in run.err and "sum" in run.err
 
 
 def test_a_symbol_that_is_data(mauvec: Command, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -241,3 +241,12 @@ def test_a_stage_that_was_not_reached_prints_nothing(mauvec: Command, model: Wri
     run = mauvec("check", model(MODEL.replace("run step", "run stepp")), "--emit", "tasks")
     assert (run.code, run.out) == (1, "")
     assert "MV107" in run.err
+
+
+def test_a_standard_board_is_found_whether_or_not_its_module_is_imported(mauvec: Command, model: Write) -> None:
+    plain = MODEL.replace("node base on desk", 'node base on "generic-arm926ej-s"')
+    imported = plain.replace("package small\n", "package small\nimport std.boards\n")
+    assert plain != MODEL and imported != plain
+    first = mauvec("check", model(plain))
+    assert first.code == 0 and "generic-arm926ej-s" in first.out
+    assert mauvec("check", model(imported)) == first

@@ -161,3 +161,15 @@ def test_a_board_of_the_standard_library_is_named_by_a_string() -> None:
     assert model.deployments[0].nodes[0].board.core == "arm7tdmi"
     _, report = resolved(ROBOT + 'deployment d of R {\nnode n on "generic-arm7" {\n}\n}')
     assert codes(report) == ["MV109"]
+
+
+def test_a_board_of_the_file_may_be_named_by_a_string_too() -> None:
+    board = 'board "my board" {\ncpu "cortex-m3" at 72MHz\n}\n'
+    model = model_of(ROBOT + board + 'deployment d of R {\nnode n on "my board" {\n}\n}')
+    assert model.deployments[0].nodes[0].board.core == "cortex-m3"
+
+
+def test_who_names_no_board_is_told_the_standard_ones() -> None:
+    _, report = resolved(ROBOT + 'deployment d of R {\nnode n on "arm926ej-s" {\n}\n}')
+    (diagnostic,) = report
+    assert diagnostic.help is not None and '`"generic-arm926ej-s"`' in diagnostic.help.text

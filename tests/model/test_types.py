@@ -9,6 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from written import codes, model_of, resolved
 
+from mauve.diagnostics.diagnostic import Severity
 from mauve.model.types import BUILT_IN, Array, Enum, Type, alignment, make_struct, size_of
 
 C = {
@@ -113,3 +114,14 @@ def test_types_of_other_languages_are_understood(written: str, meant: str) -> No
     assert diagnostic.code == "MV102"
     if written != "f46":
         assert diagnostic.help is not None and meant in diagnostic.help.text
+
+
+def test_what_has_an_unknown_type_is_known_all_the_same() -> None:
+    for wrong in ("int", "Rnage", "Nothing"):
+        _, report = resolved(
+            f"struct Range {{ metres: f64 }}\nstruct Scan {{ first: {wrong} }}\n"
+            f"external component A {{\n  out port scan: Scan\n  out port range: {wrong}\n}}\n"
+            "external component B {\n  in port scan: Scan\n}\n"
+            "architecture R {\n  instance a: A\n  instance b: B\n  connect a.scan -> b.scan\n}"
+        )
+        assert [d.code for d in report if d.severity is Severity.ERROR] == ["MV102"] * 2, wrong

@@ -200,3 +200,15 @@ def test_a_binary_older_than_its_source_is_a_warning(tmp_path: Path, monkeypatch
     assert stale(999_000) == [] and stale(1_000_001) == []
     (found,) = stale(1_000_100)
     assert found.code == "MV504" and "loops.c" in found.message
+
+
+def test_the_wrong_processor_is_one_message_for_all_its_instructions(answers: dict[str, tuple[Problem, ...]]) -> None:
+    answers["Fusion_fuse"] = tuple(_problem(ProblemKind.HARDWARE, 0x8000 + 4 * n) for n in range(14))
+    (found,) = _run(_deployment("wcet 1ms"))
+    assert found.code == "MV510" and "the same holds for 13 more places" in found.notes
+    assert found.help is not None and "-mcpu=arm7tdmi" in found.help.text
+
+
+def test_loops_without_a_bound_are_told_each(answers: dict[str, tuple[Problem, ...]]) -> None:
+    answers["Fusion_fuse"] = tuple(_problem(ProblemKind.LOOP, 0x8000 + 4 * n) for n in range(3))
+    assert [d.code for d in _run(_deployment("wcet 1ms"))] == ["MV511"] * 3

@@ -210,7 +210,7 @@ class Binary:
         hint = ""
         if self.stripped:
             hint = ": the binary is stripped; link without -s and do not run strip, or name the function by its address"
-        return ElfProblem(ElfProblemKind.NOT_FOUND, f"there is no function `{name}` in {self.path}{hint}")
+        return ElfProblem(ElfProblemKind.NOT_FOUND, f"there is no function `{name}` in the binary{hint}")
 
     def symbol_at(self, address: int) -> Symbol | None:
         """The function symbol exactly at `address` (bit 0 is ignored); a global one where there are several."""
@@ -242,11 +242,11 @@ class Binary:
         if known is not None:
             return known
         if self.read_code(number & ~1, 2) is None:
-            return ElfProblem(ElfProblemKind.NOT_A_FUNCTION, f"there is no code at {number & ~1:#x} in {self.path}")
+            return ElfProblem(ElfProblemKind.NOT_A_FUNCTION, f"there is no code at {number & ~1:#x} in the binary")
         content = self.content_at(number & ~1)
         if content is Content.DATA:
             return ElfProblem(
-                ElfProblemKind.NOT_A_FUNCTION, f"there is data at {number & ~1:#x} in {self.path}, not code"
+                ElfProblemKind.NOT_A_FUNCTION, f"there is data at {number & ~1:#x} in the binary, not code"
             )
         thumb = bool(number & 1) or content is Content.THUMB
         return Symbol(f"{number & ~1:#x}", number & ~1, 0, Bind.LOCAL, thumb, SymbolKind.LABEL)
