@@ -200,7 +200,11 @@ class State:
                 return False
             if product.n != known.n or (part.n and part.step != product.step):
                 return True
-            skipped = ((part.low - product.low) & MASK) // product.step
+            # A product that goes all around the circle may begin anywhere: count from where the symbol's end lies.
+            origin = (known.low if factor > 0 else known.low + known.span) * factor
+            skipped = ((part.low - origin) & MASK) // product.step
+            if skipped + part.n > known.n:
+                return True
             first = skipped if factor > 0 else known.n - skipped - part.n
             clipped = domain.progression(known.low + first * known.step, known.step, part.n)
         else:

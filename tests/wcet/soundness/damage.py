@@ -21,7 +21,9 @@ def damaged(image: bytes, random: Random, count: int) -> Iterator[tuple[str, byt
                 del data[random.randrange(len(data)) :]
             case "word":
                 at = random.randrange(len(data) // 4) * 4
-                data[at : at + 4] = struct.pack("<I", random.choice([0, 1, 0x7FFF_FFFF, 0xFFFF_FFFF, random.getrandbits(32)]))
+                data[at : at + 4] = struct.pack(
+                    "<I", random.choice([0, 1, 0x7FFF_FFFF, 0xFFFF_FFFF, random.getrandbits(32)])
+                )
             case _:
                 start, size = regions[kind]
                 for _ in range(random.choice([1, 1, 2, 8, 64])):

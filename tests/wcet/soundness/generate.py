@@ -1,3 +1,4 @@
+# ruff: noqa: E501 - lines of C are not cut
 """Random C programs whose every loop ends: sources for tests that compare bounds with executions.
 
 A program is a few functions of one seed. Loops are counted, clamped from arguments, shifting, bisecting, walking

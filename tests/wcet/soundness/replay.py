@@ -136,7 +136,11 @@ class Replay:
             frame = frames[-1]
             if frame.calling:
                 following = trace[at] if at < len(trace) else RETURN_TO
-                fits = [e for e in frame.calling if frame.plan.addresses[frame.plan.flow.cfg.edges[e].target][0] == following]
+                fits = [
+                    e
+                    for e in frame.calling
+                    if frame.plan.addresses[frame.plan.flow.cfg.edges[e].target][0] == following
+                ]
                 frame.calling = ()
             else:
                 after = self._through(frame, run, at)

@@ -162,7 +162,14 @@ def test_odd_code_has_a_reason(words: list[int]) -> None:
     assert found.cycles is None or found.cycles > 0
 
 
-ENDS = {"runs off the end", "endless", "jumps outside", "data in the way", "calls itself", "jumps through what it computes"}
+ENDS = {
+    "runs off the end",
+    "endless",
+    "jumps outside",
+    "data in the way",
+    "calls itself",
+    "jumps through what it computes",
+}
 
 
 @pytest.mark.parametrize("name", sorted(ENDS))
@@ -200,7 +207,9 @@ def test_odd_facts_never_lower_a_proven_bound_in_silence(fact: Fact) -> None:
     (plain,), (found,) = (analyse(image(LOOP), ["f"], BOARD, facts) for facts in ((), (fact,)))
     assert plain.cycles is not None
     if found.cycles is None or found.cycles < plain.cycles:
-        assert found.problems or found.notes or "annotation" in {loop.origin.value for loop in found.loops if loop.origin}
+        assert (
+            found.problems or found.notes or "annotation" in {loop.origin.value for loop in found.loops if loop.origin}
+        )
 
 
 @pytest.mark.parametrize("timeout", [0.0, -1.0, 1e-9])
