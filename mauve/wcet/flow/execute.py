@@ -127,6 +127,7 @@ class Execution:
         self.summaries = 0
         self.stays: dict[int, list[Stay]] | None = None
         self.limits: list[tuple[int, int]] = []
+        self.watching: _Exits | None = None
 
     def execute(self, entry: State) -> Record:
         """Execute from the function's entry; the record is complete."""
@@ -189,16 +190,23 @@ class Execution:
         saved = self._checkpoint()
         leaving: Leaving = {}
         count, checkpoint = 0, None
+        before, watching = _Exits(), self.watching
         try:
             while states:
                 count += 1
+                now: _Exits | None = None
                 if count & (count - 1) == 0 and count >= 8:
                     checkpoint = [state.copy() for state in states]
+                    now = _Exits(self._exits(loop))
                 elif checkpoint is not None and _stands_still(checkpoint, states):
                     raise _Exhausted(loop)
                 for state in states:
                     state.prune()
+                self.watching = now
                 left, states = self._region(loop, states)
+                if now is not None and now.hopeless(before):
+                    raise _Exhausted(loop)
+                before = now or before
                 for index, after in left.items():
                     leaving[index] = joining.restrict(leaving.get(index, []) + after, self.policy.width)
         except _Exhausted:
@@ -206,8 +214,14 @@ class Execution:
             raise
         finally:
             self.limits.pop()
+            self.watching = watching
         self._note_visits(loop, count, "abstract execution")
         return leaving
+
+    def _exits(self, loop: int) -> frozenset[int]:
+        """The blocks of a loop that have a way out of it."""
+        blocks = self.order.regions[loop].blocks
+        return frozenset(e.source for e in self.order.cfg.edges if e.source in blocks and e.target not in blocks)
 
     def _checkpoint(self) -> tuple[dict[int, int | None], dict[int, int | None]] | None:
         return None if self.record is None else (dict(self.record.visits), dict(self.record.totals))
@@ -324,6 +338,8 @@ class Execution:
         for instruction in instructions[:-1]:
             states = self._instruction(instruction, states)
         self._note_stay(block, instructions[-1], states)
+        if self.watching is not None and block in self.watching.blocks:
+            self.watching.note(block, instructions[-1], states)
         leaving: Leaving = {}
         for state in states:
             self._leave(block, instructions[-1], state, leaving)
@@ -494,6 +510,36 @@ def _compare_with_zero(state: State, flow: CompareBranch) -> None:
     value = state.regs[flow.register]
     state.flags = flags.of_logic(state.range_of(value), state.flags)
     state.origin = (FlagKind.LOGIC, value, 0)
+
+
+class _Exits:
+    """What one iteration of a stepped loop knew at the branches that lead out of it (a heuristic: data that are as
+    unknown as they were many iterations ago will not end the loop)."""
+
+    def __init__(self, blocks: frozenset[int] = frozenset()) -> None:
+        self.blocks = blocks
+        self.known: dict[int, frozenset[Range] | None] = {}
+
+    def note(self, block: int, last: Instruction, states: States) -> None:
+        """Note the compared values at the end of a block; None where the branch is decided in some state."""
+        if isinstance(last.flow, CompareBranch):
+            values = frozenset(state.range_of(state.regs[last.flow.register]) for state in states)
+            self.known[block] = None if any(known.n == 0 or 0 not in known for known in values) else values
+            return
+        found: set[Range] = set()
+        for state in states:
+            possible = flags.may_hold(state.flags, last.condition)
+            certain = flags.must_hold(state.flags, last.condition)
+            if certain or not possible or state.origin is None:
+                self.known[block] = None
+                return
+            found.add(state.range_of(linear.sub(state.origin[1], state.origin[2])))
+        self.known[block] = frozenset(found)
+
+    def hopeless(self, before: _Exits) -> bool:
+        """Whether all branches out of the loop are as undecided as they were."""
+        mine = [self.known.get(block) for block in self.blocks]
+        return None not in mine and bool(mine) and self.blocks == before.blocks and self.known == before.known
 
 
 def _stands_still(before: States, now: States) -> bool:

@@ -113,13 +113,19 @@ def analyse_function(
         if (thorough and _missing(records, known)) or (first and nested and _few(order, records, known, limits)):
             records.append(execute(loops))
         if thorough and _missing(records, known):
-            records.append(execute(loops, WIDTH))
+            records.append(execute(_relatives(order, _missing(records, known)), WIDTH))
     except GaveUp as reason:
         if reason.for_time:
             raise
     result = _merge(order, records, bounds)
     result.attempt = attempt if result.unbounded and not thorough else None
     return result
+
+
+def _relatives(order: Order, loops: list[int]) -> frozenset[int]:
+    """The loops, those around and those inside them."""
+    blocks = [order.nest.loops[loop].blocks for loop in loops]
+    return frozenset(other.id for other in order.nest.loops if any(mine & other.blocks for mine in blocks))
 
 
 def _few(order: Order, records: list[Record], known: Mapping[int, int], limits: Limits) -> bool:

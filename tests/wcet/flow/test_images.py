@@ -11,7 +11,7 @@ from wcet.fixtures.cases import CASES, FOLDER
 from mauve.wcet.binary.elf import Binary, load
 from mauve.wcet.binary.graph import EXIT
 from mauve.wcet.flow.facts import AtAddress, AtLine, Counting, LoopFact
-from mauve.wcet.flow.program import Limits, analyse_program
+from mauve.wcet.flow.program import Limits, Programs, analyse_program
 from mauve.wcet.flow.result import ProgramFlow
 from mauve.wcet.result import Origin
 
@@ -187,6 +187,24 @@ def test_what_depends_on_unknown_data_gets_a_located_problem_and_no_number(image
     assert [problem.kind.name for problem in entry.problems] == ["LOOP"]
     assert entry.problems[0].function == function
     assert entry.problems[0].address in {entry.cfg.blocks[loop.header].address for loop in entry.nest.loops}
+
+
+TOGETHER = ["loop_by_context", "sum_range", "loop_triangular", "calls_recursion", "string_length", "shift_count_bits"]
+
+
+@pytest.mark.parametrize("order", [TOGETHER, TOGETHER[::-1]])
+def test_what_entries_share_does_not_change_their_results(order):
+    image = binary("arm7tdmi-arm-O2")
+    programs = Programs(image, limits=LIGHT)
+    for function in order:
+        assert programs.program(image.function(function).key) == analyse("arm7tdmi-arm-O2", function)
+
+
+def test_a_time_limit_of_one_entry_spoils_nothing_for_the_next():
+    image = binary("arm7tdmi-arm-O2")
+    programs, key = Programs(image, limits=LIGHT), image.function("loop_by_context").key
+    assert [p.kind.name for p in programs.program(key, 0.0).functions[key, ""].problems] == ["LIMIT"]
+    assert programs.program(key) == analyse("arm7tdmi-arm-O2", "loop_by_context")
 
 
 def test_recursion_is_named():

@@ -143,6 +143,47 @@ def test_the_two_sides_of_a_clamp_are_kept_apart():
     assert analyse(code).bounds[0].bound == 28
 
 
+def rest_of_two(check_first: bool) -> Code:
+    """n = min(r4 - r5, 62) of two numbers loaded from memory; if (r4 != r5) do ... while (--n)"""
+    code = Code()
+    code.do(Load(4, 0), Load(5, 1))
+    if check_first:
+        code.do(SetFlags(FlagKind.SUB, 4, 5), Compute(Op.SUB, 3, 4, 5))
+        code.branch("end", Condition.EQ)
+    else:
+        code.compute(Op.SUB, 3, 4, 5)
+    code.compare(3, Imm(62))
+    code.move(3, Imm(62), Condition.CS)
+    if not check_first:
+        code.compare(4, 5)
+        code.branch("end", Condition.EQ)
+    code.label("body")
+    code.do(SetFlags(FlagKind.SUB, 3, Imm(1)), Compute(Op.SUB, 3, 3, Imm(1)))
+    code.branch("body", Condition.NE)
+    code.label("end")
+    return code
+
+
+@pytest.mark.parametrize("check_first", [False, True])
+def test_a_count_that_is_the_difference_of_two_unknowns(check_first):
+    assert analyse(rest_of_two(check_first)).bounds[0].bound == 62
+
+
+def test_a_count_put_together_from_bytes():
+    """n = low | high << 8, checked as such and used as a sum."""
+    code = Code()
+    code.do(Load(2, 0, 1), Load(3, 1, 1), Compute(Op.SHL, 3, 3, Imm(8)), Compute(Op.OR, 4, 2, 3))
+    code.compare(4, Imm(48))
+    code.branch("end", Condition.HI)
+    code.do(Compute(Op.ADD, 4, 2, 3), Compute(Op.ADD, 4, 4, Imm(3)), Compute(Op.MOV, 5, Imm(0)))
+    code.label("body")
+    code.compute(Op.ADD, 5, 5, Imm(1))
+    code.compare(4, 5)
+    code.branch("body", Condition.NE)
+    code.label("end")
+    assert analyse(code).bounds[0].bound == 51
+
+
 # ------------------------------------------------------------------------------------------------------ random programs
 CONDITIONS = [c for c in Condition if c not in (Condition.AL, Condition.VS, Condition.VC)]
 small = st.integers(-3, 12).map(lambda n: Imm(n & 0xFFFFFFFF))
@@ -164,7 +205,7 @@ class Builder:
             self.statement(depth, inside)
 
     def statement(self, depth: int, inside: str | None) -> None:
-        kind = self.draw(st.integers(0, 9))
+        kind = self.draw(st.integers(0, 10))
         if kind <= 2:
             op = self.draw(st.sampled_from([Op.ADD, Op.SUB, Op.AND, Op.LSR, Op.SHL, Op.MUL, Op.OR, Op.XOR, Op.ASR]))
             self.code.compute(op, self.draw(st.integers(0, 5)), self.draw(st.integers(0, 5)), self.draw(data))
@@ -180,8 +221,21 @@ class Builder:
             self.code.do(Load(self.draw(st.integers(0, 5)), self.draw(st.integers(0, 5)), size))
         elif kind == 7:
             self.branch(depth, inside)
+        elif kind == 10:
+            self.clamp()
         elif depth < 3:
             self.loop(depth)
+
+    def clamp(self) -> None:
+        """min or max of a difference (or of bits put together) and a number; perhaps a look at one of the parts"""
+        target, a, b = (self.draw(st.integers(0, 5)) for _ in range(3))
+        limit = self.draw(small)
+        self.code.compute(self.draw(st.sampled_from([Op.SUB, Op.SUB, Op.ADD, Op.OR])), target, a, b)
+        self.code.compare(target, limit)
+        self.code.move(target, limit, self.draw(st.sampled_from([Condition.CS, Condition.HI, Condition.GT])))
+        if self.draw(st.booleans()):
+            self.code.compare(a, b)
+            self.code.move(a, self.draw(data), self.draw(st.sampled_from(CONDITIONS)))
 
     def branch(self, depth: int, inside: str | None) -> None:
         end = self.name()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from wcet import microop_machine as machine
@@ -160,6 +161,46 @@ def test_a_compare_of_a_copy_narrows_the_stack_slot_it_came_from():
     assert state.assume(Condition.LS)
     transfer.run(state, (Compute(Op.MOV, 3, Imm(0)), *load), transfer.NoImage())
     assert repr(state.range_of(state.regs[3])) == "[0..99]"
+
+
+class OwnImage(transfer.NoImage):
+    """Memory of the binary up to 0x1000, none of it constant."""
+
+    def constant(self, address, size):
+        return 0 if size == 0 and address < 0x1000 else None
+
+
+@pytest.mark.parametrize(
+    ("base", "index", "remembered"),
+    [
+        (0x800, None, True),
+        (0x4001_0000, None, False),
+        (0, 4, True),
+        (8, 4, True),
+        (0x4001_0000, 4, False),
+    ],
+)
+def test_what_is_written_to_a_device_is_not_what_is_read_from_it(base, index, remembered):
+    """A fixed address outside the binary may be a device, also where an unknown index is added to it."""
+    state = State(Symbols())
+    address = Compute(Op.MOV, 16, Imm(base)) if index is None else Compute(Op.ADD, 16, index, Imm(base))
+    transfer.run(state, (address, Store(16, Imm(1)), Load(3, 16)), OwnImage())
+    assert state.constant_of(state.regs[3]) == (1 if remembered else None)
+    transfer.run(state, (Load(3, 16), Load(5, 16)), OwnImage())
+    assert (state.regs[3] == state.regs[5]) == remembered
+
+
+def test_what_two_branches_name_differently_is_the_same_again_behind_them():
+    """r4 - r5 gets a range in each branch of a compare; behind the join both are what they were."""
+    state = State(Symbols())
+    transfer.run(state, (Load(4, 0), Load(5, 1), Compute(Op.SUB, 3, 4, 5)), transfer.NoImage())
+    before = state.regs[4:6]
+    transfer.run(state, (SetFlags(FlagKind.SUB, 3, Imm(62)),), transfer.NoImage())
+    below, above = state.copy(), state.copy()
+    assert below.assume(Condition.CC) and above.assume(Condition.CS)
+    assert repr(below.range_of(below.regs[3])) == "[0..61]"
+    assert below.regs[4:6] != before
+    assert joining.join(below, above).regs[4:6] == before
 
 
 def test_values_with_a_constant_difference_keep_it_across_a_join():
