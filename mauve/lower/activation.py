@@ -25,6 +25,9 @@ from mauve.timing.task import Platform, on_platform
 ROUNDS = 1000
 """Iterations after which a jitter that still grows is called unbounded."""
 
+PENDING = 100
+"""Periods, of its own or of its slowest waker, beyond which a jitter is called unbounded."""
+
 
 @record
 class Settled:
@@ -62,18 +65,25 @@ def settle(
     wakers = _wakers(deployment, nodes)
     current = tuple(nodes)
     results: tuple[Analysis | None, ...] = ()
-    unknown: set[str] = set(wakers)
+    lost: set[str] = set()
+    endless: set[str] = set()
+    unknown: set[str] = set()
     for _ in range(ROUNDS):
-        results = tuple(_analyse(node, platform, method) for node, platform in zip(current, platforms, strict=True))
+        analyses = [_analyse(node, platform, method) for node, platform in zip(current, platforms, strict=True)]
+        results = tuple(_withdraw(analysis, unknown) if analysis else None for analysis in analyses)
         responses = {r.task: r.wcrt for analysis in results if analysis for r in analysis.results}
+        # Jitters only rise, so a response once without a bound stays so, whatever is left out for it later.
+        lost |= {name for name, response in responses.items() if response is None}
+        known = {name: response for name, response in responses.items() if name not in lost}
         updated = tuple(
-            changed(node, tasks=tuple(_with_jitter(one, wakers, responses) for one in node.tasks)) for node in nodes
+            changed(node, tasks=tuple(_with_jitter(one, wakers, known) for one in node.tasks)) for node in nodes
         )
-        if updated == current:
-            unknown = {name for name, ws in wakers.items() if any(w.response(responses) is None for w in ws)}
-            break
-        current = updated
-    withdrawn = tuple(_withdraw(analysis, unknown) if analysis else None for analysis in results)
+        endless |= {one.task.name for node in updated for one in node.tasks if _endless(one, wakers)}
+        woken = {name for name, ws in wakers.items() if name in endless or any(w.response(known) is None for w in ws)}
+        if updated == current and woken == unknown:
+            return Settled(current, results)
+        current, unknown = updated, woken
+    withdrawn = tuple(_withdraw(analysis, set(wakers)) if analysis else None for analysis in results)
     return Settled(current, withdrawn)
 
 
@@ -118,6 +128,12 @@ def _with_jitter(placed: PlacedTask, wakers: Wakers, responses: Mapping[str, int
         late = (Fraction(r, period) + 1 for period, r in known if period is not None)
         jitter = ceil(placed.task.period * sum(late, Fraction(0)))
     return changed(placed, task=changed(placed.task, jitter=placed.task.jitter + jitter))
+
+
+def _endless(placed: PlacedTask, wakers: Wakers) -> bool:
+    """Whether so many activations of a woken task would wait at once that its jitter surely grows without end."""
+    known = [waker.period or 0 for waker in wakers.get(placed.task.name, ())]
+    return bool(known) and placed.task.jitter > PENDING * max(placed.task.period, *known)
 
 
 def _withdraw(analysis: Analysis, unknown: set[str]) -> Analysis:

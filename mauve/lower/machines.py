@@ -11,7 +11,7 @@ last its parent was left and entered again, both.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 
 from mauve.lower.calls import Services, executed, services
 from mauve.model.model import (
@@ -31,8 +31,8 @@ from mauve.model.model import (
 )
 from mauve.model.periods import region_period
 from mauve.model.queues import most_arrivals
-from mauve.model.threads import placement
-from mauve.records import record
+from mauve.model.threads import in_threads, placement
+from mauve.records import changed, record
 from mauve.timing.psm import CostPart, Psm, PsmTransition, make_psm
 
 START = "(start)"
@@ -44,8 +44,8 @@ Times = Mapping[CodelId, int]
 
 @record
 class Machine:
-    """The PSM of a region; `period` is its own (gcd of its activities' periods, or that of the region around it), None
-    for that of its instance."""
+    """The PSM of a region; `period` is that of its activations (gcd of its activities' periods, or that of the region
+    or the instance around it), None where nothing gives one."""
 
     region: RegionId
     psm: Psm
@@ -54,12 +54,19 @@ class Machine:
 
 @record
 class _Costs:
-    """What steps cost in one instance; `waiting` counts the messages that may wait at each of its in-ports."""
+    """What steps cost in a region of an instance; `waiting` counts the messages that may wait at each of its in-ports,
+    `producers` are the instances at the other ends of the connections that lead to them, one per thread that executes
+    a part of them (`in_threads`)."""
 
     instance: Instance
     connected: Services
     times: Times
+    producers: tuple[tuple[DataConnection, tuple[Instance, ...]], ...]
     waiting: Mapping[str, int]
+
+    def every(self, period: int | None) -> _Costs:
+        """The costs in a region that is activated with this period."""
+        return changed(self, waiting=waiting_messages(self.instance, self.producers, period))
 
     def parts(self, steps: tuple[Step, ...]) -> Iterator[CostPart]:
         """The cost of each step. Raises KeyError for a codel without a time."""
@@ -93,16 +100,17 @@ def build_machines(deployment: Deployment, times: Times) -> dict[str, tuple[Mach
     architecture = deployment.architecture
     connected = services(architecture)
     instances = {instance.name: instance for instance in architecture.instances}
-    incoming: dict[str, list[DataConnection]] = {}
-    for connection in architecture.data:
-        incoming.setdefault(connection.target.instance, []).append(connection)
     threads = placement(deployment)
+    incoming: dict[str, list[tuple[DataConnection, tuple[Instance, ...]]]] = {}
+    for connection in architecture.data:
+        pair = connection, in_threads(instances[connection.source.instance], threads, instances)
+        incoming.setdefault(connection.target.instance, []).append(pair)
     built: dict[str, tuple[Machine, ...] | None] = {}
     for instance in architecture.instances:
         if not instance.active:
             continue
-        waiting = waiting_messages(instance, incoming.get(instance.name, ()), instances)
-        costs = _Costs(instance, connected, times, waiting)
+        latest = max((one.jitter for one in in_threads(instance, threads, instances)), default=0)
+        costs = _Costs(changed(instance, jitter=latest), connected, times, tuple(incoming.get(instance.name, ())), {})
         try:
             regions = instance.component.regions
             built[instance.name] = tuple(m for region in regions for m in _machines(region, (), costs, threads))
@@ -112,17 +120,17 @@ def build_machines(deployment: Deployment, times: Times) -> dict[str, tuple[Mach
 
 
 def waiting_messages(
-    instance: Instance, incoming: list[DataConnection] | tuple[()], instances: Mapping[str, Instance]
+    instance: Instance, producers: Sequence[tuple[DataConnection, tuple[Instance, ...]]], period: int | None
 ) -> dict[str, int]:
-    """The most messages that may wait at each in-port at one activation: as many as its queues hold, fewer where less
-    arrive in between; 1 for the value of an unbuffered port."""
+    """The most messages that may wait at each in-port at one activation of a region with this period: as many as its
+    queues hold, fewer where less arrive in between; 1 for the value of an unbuffered port."""
     counts = {port.name: 1 for port in instance.component.ports if port.kind is not PortKind.OUT}
     queued: dict[str, int] = {}
-    for connection in incoming:
+    for connection, writers in producers:
         if connection.size is not None:
             port = connection.target.name
-            arrivals = most_arrivals(port, instances[connection.source.instance], instance)
-            held = connection.size if arrivals is None else min(connection.size, arrivals)
+            arrivals = [most_arrivals(port, writer, instance, period) for writer in writers]
+            held = min(connection.size, sum(connection.size if n is None else n for n in arrivals))
             queued[port] = queued.get(port, 0) + held
     return counts | queued
 
@@ -145,10 +153,11 @@ def _machines(
 ) -> Iterator[Machine]:
     here = (*path, region.name) if region.name else path
     id_ = RegionId(costs.instance.name, here)
-    period = region_period(region) or (parent.period if parent else None)
+    instance = costs.instance
+    period = region_period(region, parent.period if parent else instance.period.value if instance.period else None)
     thread = threads.get(id_)
     again = parent is not None and (parent.again or parent.period != period or parent.thread != thread)
-    yield Machine(id_, _psm(str(id_), region, costs, parent is not None, again), period)
+    yield Machine(id_, _psm(str(id_), region, costs.every(period), parent is not None, again), period)
     for state in region.states:
         to_itself = any(transition.target == state.name for transition in state.transitions)
         for nested in state.regions:

@@ -1,8 +1,8 @@
 """Queues: fan-in needs them, and none may overflow unless the model says what happens then (MV205, MV206).
 
-In-ports are copied at each release of the consumer, out-ports published when a job of the producer ends, by its
-deadline. Between two copies, T_c + J_c apart at most, jobs of a producer can end that were released up to D_p
-earlier: no more than ceil((T_c + J_c + J_p + D_p) / T_p) elements arrive.
+In-ports are copied at each release of the consumer, for each region that is due then, out-ports published when a job of
+the producer ends, by its deadline. Between two copies, T_c + J_c apart at most, jobs of a producer can end that were
+released up to D_p earlier: no more than ceil((T_c + J_c + J_p + D_p) / T_p) elements arrive.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from collections.abc import Mapping
 
 from mauve.diagnostics.diagnostic import Diagnostic, Fix, Label, Report
 from mauve.model.model import DataConnection, Endpoint, Instance
-from mauve.model.periods import instance_period
+from mauve.model.periods import instance_period, reading_period
 from mauve.model.wakeups import event_ports
 from mauve.units import format_time
 
@@ -40,13 +40,15 @@ def _check_fan_in(target: Endpoint, writers: list[DataConnection], report: Repor
     report.add(Diagnostic("MV205", message, primary, labels=others, help=help_))
 
 
-def most_arrivals(port: str, producer: Instance, consumer: Instance) -> int | None:
-    """The most elements from `producer` between two copies of the consumer's `port`; None where nothing bounds it.
+def most_arrivals(port: str, producer: Instance, consumer: Instance, window: int | None = None) -> int | None:
+    """The most elements from `producer` between two copies of the consumer's `port`, for a region that is activated
+    every `window`, else for the slowest that reads it; None where nothing bounds it.
 
     A sporadic consumer may sleep for ever, except that an element of one of its event ports wakes it: what waits then
     has arrived within its own release jitter.
     """
-    period, window = instance_period(producer), instance_period(consumer)
+    period = instance_period(producer)
+    window = window or reading_period(consumer, port)
     if consumer.sporadic:
         window = 0 if port in event_ports(consumer) else None
     if period is None or window is None:
@@ -67,13 +69,14 @@ def _check_overflow(connection: DataConnection, instances: Mapping[str, Instance
         report.add(Diagnostic("MV206", message, Label(connection.span), labels=(label,), help=help_))
     elif connection.size is not None and arrivals > connection.size:
         message = f"the queue of `{connection.target}` holds {connection.size} elements, {arrivals} may arrive"
-        note = f"{_rate(consumer, 'empties it')}, {_rate(producer, 'writes')}"
+        empties = _rate(consumer, "empties it", reading_period(consumer, connection.target.name))
+        note = f"{empties}, {_rate(producer, 'writes', instance_period(producer))}"
         help_ = Fix(f"make it `size {arrivals}`, or write what happens: `drop oldest` or `drop newest`")
         report.add(Diagnostic("MV206", message, Label(connection.span), notes=(note,), help=help_))
 
 
-def _rate(instance: Instance, what: str) -> str:
-    period = format_time(instance_period(instance) or 0)
+def _rate(instance: Instance, what: str, period: int | None) -> str:
+    every = format_time(period or 0)
     if instance.sporadic:
-        return f"`{instance.name}` {what} at least {period} apart"
-    return f"`{instance.name}` {what} every {period}"
+        return f"`{instance.name}` {what} at least {every} apart"
+    return f"`{instance.name}` {what} every {every}"

@@ -6,8 +6,10 @@ from collections.abc import Iterator, Mapping
 
 from mauve.diagnostics.diagnostic import Diagnostic, Fix, Label, Report
 from mauve.model.execution import execution_settings
-from mauve.model.model import Architecture, Deployment, Instance, Region, RegionId, Thread
+from mauve.model.model import Architecture, Deployment, Instance, Region, RegionId, Setting, Thread
 from mauve.model.names import unknown
+from mauve.model.periods import region_periods
+from mauve.records import changed
 from mauve.source import Span
 from mauve.syntax import ast
 
@@ -93,6 +95,25 @@ def placement(deployment: Deployment) -> dict[RegionId, Thread]:
             if thread is not None:
                 placed[region] = thread
     return placed
+
+
+def in_threads(
+    instance: Instance, placed: Mapping[RegionId, Thread], instances: Mapping[str, Instance]
+) -> tuple[Instance, ...]:
+    """An instance as each of the threads executes it that have a region of it, with the jitter of the thread and the
+    deadline by which its jobs end. The instance itself where there are no threads."""
+    threads = {id(thread): thread for region, thread in placed.items() if region.instance == instance.name}
+    return tuple(_executed(instance, thread, instances) for thread in threads.values()) or (instance,)
+
+
+def _executed(instance: Instance, thread: Thread, instances: Mapping[str, Instance]) -> Instance:
+    members = [instances[name] for name in {member.instance for member, _ in thread.members}]
+    written = [thread.deadline, *(member.deadline for member in members)]
+    known = [setting for setting in written if setting is not None and not setting.default]
+    # Without a deadline the period of the thread counts, which divides those of its regions.
+    default = Setting(max(region_periods(instance), default=0), None, "the period")
+    deadline = min(known, key=lambda setting: setting.value, default=default)
+    return changed(instance, jitter=max([thread.jitter, *(member.jitter for member in members)]), deadline=deadline)
 
 
 def check_placement(deployment: Deployment, report: Report) -> None:

@@ -185,7 +185,7 @@ def test_a_region_without_a_period_steps_with_what_surrounds_it() -> None:
     body = (NESTED % "-> Off when g64").replace("run c1\n", "run c1 every 20ms\n")
     machines = machines_of(model_of(_robot(body)))["x"]
     assert machines is not None
-    assert [machine.period for machine in machines] == [20 * MS, 20 * MS, None]
+    assert [machine.period for machine in machines] == [20 * MS, 20 * MS, 10 * MS]
 
 
 MESSAGES = """in port orders: f64
@@ -216,6 +216,28 @@ def test_message_handlers_are_paid_once_per_message_that_may_wait(
     machines = machines_of(model_of(text))["x"]
     assert machines is not None
     assert arcs(machines[0])["A", "A"] == cost + 1
+
+
+def _waiting(body: str, period: str, deployment: str = "", instances: str = "") -> int:
+    """The handlers of 3 us in the last loop of a machine."""
+    text = _robot(body, SOURCE % (period, 20, "") + instances, MESSAGES, deployment)
+    machines = machines_of(model_of(text + "external component S {\nout port o: f64\n}"))["x"]
+    assert machines is not None
+    return arcs(machines[-1])["A", "A"] // 3
+
+
+def test_a_slow_region_finds_what_came_since_its_last_step() -> None:
+    fast, slow = "run c1", "run c1 every 30ms"
+    region = "region r {\ninitial state A {\nmessage handle\n%s\n}\n}\n"
+    assert _waiting(region % fast, "5ms") == 3
+    assert _waiting("region q {\ninitial state A {\nrun c1\n}\n}\n" + region % slow, "5ms") == 7
+
+
+def test_the_jitter_and_deadline_of_a_thread_let_more_messages_wait() -> None:
+    body = "initial state A {\nmessage handle\nrun c1\n}"
+    threads = "process p {\nthread t %s {\nx\n}\n}"
+    assert _waiting(body, "5ms", threads % "") == 3
+    assert _waiting(body, "5ms", threads % "jitter 20ms") == 7
 
 
 def test_a_codel_without_a_time_leaves_out_its_component_only() -> None:

@@ -287,6 +287,20 @@ connect a.value -> b.value""", wcet="11ms")  # fmt: skip
     assert found["a"][2] is Reason.OVERLOAD and found["b"][1] is None
 
 
+def test_a_woken_task_that_delays_its_writer_more_and_more_has_no_bound() -> None:
+    """The load is below 1, but each rise of the writer's response lets more activations of the urgent task arrive; what
+    waits for a response that rests on them has none either, however urgent it is."""
+    found = _settled("""instance a: Source { period 10ms  priority 1  deadline 100ms }
+instance b: Woken { sporadic 1800us  priority 2 }
+instance z: Source { period 100ms  priority 0 }
+instance c: Woken { sporadic 100ms  priority 9 }
+instance top: Source { period 100ms  priority 10 }
+connect a.value -> b.value
+connect z.value -> c.value""")
+    assert {name: found[name][1:] for name in "abcz"} == dict.fromkeys("abcz", (None, Reason.ARRIVALS))
+    assert found["top"][1:] == (2 * MS, None)
+
+
 def test_interrupts_and_the_tick_have_names_that_no_task_has() -> None:
     text = _text(
         "instance tick: Simple { period 10ms }\ninstance log: Log\nconnect tick.note -> log.note\nexternal tick.got"

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from written import BOARD, model_of
 
 from mauve.model.model import Setting
-from mauve.model.periods import instance_period
+from mauve.model.periods import instance_period, region_periods
 from mauve.model.priorities import contradiction, rate_monotonic
 from mauve.units import MS
 
@@ -82,6 +82,16 @@ def test_the_period_of_an_instance_is_the_gcd_of_its_regions() -> None:
     regions = _region("a", "run work every 100ms") + _region("b", "run work")
     model = model_of(_instance(regions, "priority 1  period 30ms"))
     assert instance_period(model.architectures[0].instances[0]) == 10 * MS
+
+
+def test_neither_separations_nor_nested_periods_slow_down_what_has_a_period() -> None:
+    slow = _region("a", "run work once, at least 150ms apart")
+    model = model_of(_instance(slow, "priority 1  period 30ms"))
+    assert instance_period(model.architectures[0].instances[0]) == 30 * MS
+    nested = _region("a", "run work\n" + _region("b", "run work every 90ms"))
+    model = model_of(_instance(nested, "priority 1  period 30ms"))
+    (instance,) = model.architectures[0].instances
+    assert instance_period(instance) == 30 * MS and region_periods(instance) == (30 * MS, 90 * MS)
 
 
 def test_defaults_are_marked() -> None:
