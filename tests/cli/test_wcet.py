@@ -190,6 +190,6 @@ def test_results_are_kept_for_the_next_run(mauvec: Command, monkeypatch: pytest.
     def no_analysis(*_: object, **__: object) -> None:
         raise AssertionError("analysed again")
 
-    monkeypatch.setattr("mauve.wcet.flow.program.analyse_program", no_analysis)
+    monkeypatch.setattr("mauve.wcet.flow.program.Programs", no_analysis)
     assert mauvec("wcet", ELF, "loop_step_up", *BOARD, "--format", "json").out == first.out
     assert mauvec("wcet", ELF, "loop_step_up", *BOARD, "--no-cache").code == 70
