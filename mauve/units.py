@@ -36,8 +36,8 @@ def time_to_cycles(time: int, hertz: int) -> int:
 def format_time(time: int, digits: int = 3, down: bool = False) -> str:
     """A time in the unit a person would choose: `19.5ms`, `347.215us`, `0ms`.
 
-    `digits` is the number of decimals kept at most; trailing zeros are dropped. The last one is rounded up, as costs and
-    responses must be, or `down`, as slacks and permissions must be.
+    `digits` is the number of decimals kept at most; trailing zeros are dropped. The last one is rounded up, as costs
+    and responses must be, or `down`, as slacks and permissions must be.
     """
     if time < 0:
         return "-" + format_time(-time, digits, not down)

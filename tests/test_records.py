@@ -202,7 +202,8 @@ def test_a_check_without_binaries_imports_nothing_of_dataclasses(tmp_path):
     model.write_text("mauve 1\nenum Link { OK, LOST }\n")
     program = (
         "import sys; from mauve.cli import main; main(sys.argv[1:]); "
-        "print([name for name in ('dataclasses', 'inspect', 'importlib.resources', 'mauve.wcet.result') if name in sys.modules])"
+        "dear = ('dataclasses', 'inspect', 'importlib.resources', 'mauve.wcet.result'); "
+        "print([name for name in dear if name in sys.modules])"
     )
     command = [sys.executable, "-S", "-c", program, "check", str(model)]
     found = subprocess.run(command, capture_output=True, text=True, check=True)
