@@ -35,8 +35,8 @@ TARGETS = {
 }
 LEVELS = ("-O0", "-O1", "-O2", "-O3", "-Os")
 FLAGS = (
-    "-std=gnu11 -mfloat-abi=soft -fwrapv -fno-strict-aliasing -fno-common -w -nostdlib -nostartfiles -Wl,--build-id=none"
-    " -Wl,-Ttext=0x8000 -Wl,-Tdata=0x40000 -Wl,-e,_start"
+    "-std=gnu11 -mfloat-abi=soft -fwrapv -fno-strict-aliasing -fno-common -w -nostdlib -nostartfiles"
+    " -Wl,--build-id=none -Wl,-Ttext=0x8000 -Wl,-Tdata=0x40000 -Wl,-e,_start"
 )
 CORNERS = (
     0,

@@ -32,7 +32,14 @@ class Recording:
 
 
 def record(emulator: Emulator, function: str, arguments: Sequence[Argument], most: int = 400_000) -> Recording:
-    """Run a function; EmulationError when it does not return."""
+    """Run a function; EmulationError when it does not return.
+
+    On cores with IT blocks the emulator leaves instructions out when it is asked for each: there the straight runs are
+    recorded instead, without accesses.
+    """
+    if emulator._thumb_only:
+        run = emulator.call(function, arguments, max_instructions=most, trace=True)
+        return Recording([a for block in run.blocks for a in emulator._lengths[block]], {})
     from unicorn import UC_HOOK_CODE, UC_HOOK_MEM_READ, UC_HOOK_MEM_WRITE
 
     addresses: list[int] = []

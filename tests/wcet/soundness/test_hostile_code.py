@@ -1,4 +1,4 @@
-"""Code and symbol tables that no compiler writes, large and deep programs: a bound that holds or a located reason, soon."""
+"""Code and symbol tables that no compiler writes; large and deep programs: a bound or a reason, soon."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ def result(words: list[int], symbols: list[Symbol] | None = None, timeout: float
 
 
 def test_a_jump_whose_targets_lead_to_further_targets_has_them_all(tmp_path: Path) -> None:
-    """The state that selects the target changes behind the targets: what is known of it grows with each target found."""
+    """The state that selects the target changes behind the targets: each target makes further ones known."""
     path = tmp_path / "machine.elf"
     path.write_bytes(executable(STATE_MACHINE))
     flow = analyse_program(image(STATE_MACHINE), START)
