@@ -1,12 +1,13 @@
 """The command line: arguments, a module for each command, and what no command may let out.
 
 Exit codes: 0 everything holds; 1 the input has errors, or a requirement does not hold, or an analysis is incomplete;
-2 wrong usage; 70 a bug of ours; 130 interrupted; 141 the reader of the output went away. Results go to standard output,
-messages and progress to standard error.
+2 wrong usage; 70 a bug of ours; 74 no room for the output; 130 interrupted; 141 the reader of the output went away.
+Results go to standard output, messages and progress to standard error.
 """
 
 from __future__ import annotations
 
+import errno
 import os
 import sys
 from collections.abc import Sequence
@@ -15,7 +16,9 @@ from typing import Any
 
 from mauve import __version__
 
-EXIT_HOLDS, EXIT_FAILS, EXIT_USAGE, EXIT_BUG, EXIT_INTERRUPTED, EXIT_PIPE = 0, 1, 2, 70, 130, 141
+EXIT_HOLDS, EXIT_FAILS, EXIT_USAGE, EXIT_BUG, EXIT_NO_ROOM, EXIT_INTERRUPTED, EXIT_PIPE = 0, 1, 2, 70, 74, 130, 141
+
+NO_ROOM = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -30,9 +33,13 @@ def main(argv: Sequence[str] | None = None) -> int:
         return EXIT_INTERRUPTED
     except BrokenPipeError:
         # The reader went away (`mauvec check ... | head`): nothing is left to say, and nothing to flush at exit.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        _drop_output()
         return EXIT_PIPE
     except Exception as error:
+        if isinstance(error, OSError) and error.errno in NO_ROOM:
+            print(f"mauvec: cannot write the output: {(error.strerror or '').lower()}", file=sys.stderr)
+            _drop_output()
+            return EXIT_NO_ROOM
         if os.environ.get("MAUVEC_TRACEBACK"):
             raise
         _report_bug(error)
@@ -48,6 +55,11 @@ def _run(argv: Sequence[str]) -> int:
         return stop.code if isinstance(stop.code, int) else EXIT_HOLDS
     code: int = import_module(f"mauve.cli.{arguments.command}").run(arguments)
     return code
+
+
+def _drop_output() -> None:
+    """Let what is still buffered go nowhere, so that the flush at exit does not fail again."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 def _survive_any_encoding(stream: Any) -> None:

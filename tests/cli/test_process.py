@@ -167,6 +167,14 @@ def test_a_reader_that_goes_away(model: Write, environment: dict[str, str]) -> N
     assert (process.wait(timeout=60), err) == (141, b"")
 
 
+@pytest.mark.parametrize("format_", ["full", "json"])
+def test_a_disk_without_room_for_the_output(model: Write, environment: dict[str, str], format_: str) -> None:
+    command = [sys.executable, "-m", "mauve", "check", model(MODEL), "--format", format_]
+    with open("/dev/full", "wb") as full:
+        run = subprocess.run(command, stdout=full, stderr=subprocess.PIPE, text=True, env=environment, timeout=60)
+    assert (run.returncode, run.stderr) == (74, "mauvec: cannot write the output: no space left on device\n")
+
+
 @pytest.mark.parametrize("error", [ValueError("a\nb"), RecursionError(), MemoryError(), AssertionError()])
 def test_a_fault_of_ours_is_one_line(
     error: Exception, mauvec: Command, model: Write, monkeypatch: pytest.MonkeyPatch
