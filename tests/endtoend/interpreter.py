@@ -100,6 +100,8 @@ class Simulation:
         self.full = self.random.random() < 0.8
         self.fifo = self.random.random() < 0.5
         self.together = self.random.random() < 0.4
+        self.ambush = self.random.random() < 0.5
+        self.hidden: list[_Task] = []
         self.instances = {instance.name: instance for instance in deployment.architecture.instances}
         self.services = {c.caller: c.provider for c in deployment.architecture.services}
         self.pending: dict[str, set[str]] = {name: set() for name in self.instances}
@@ -404,19 +406,16 @@ class Simulation:
         )
 
     def _arrivals(self, horizon: int) -> None:
-        for task in self.tasks:
-            if task.sporadic and self._woken(task):
-                continue
-            at = 0 if self.together else self.random.randrange(task.period)
-            whole = {m.period // task.period for m in task.machines}
-            if not self.together:
-                for machine in task.machines:
-                    machine.phase = self.random.randrange(max(whole))
-            while at < horizon:
-                self._at(at, task)
-                at += task.period
-                if task.sporadic and self.random.random() < 0.3:
-                    at += self.random.randrange(task.period)
+        """When tasks, interrupts and ticks arrive. In an ambush all tasks wait until the least urgent one, or another,
+        is in a critical section."""
+        own = [task for task in self.tasks if not (task.sporadic and self._woken(task))]
+        if self.ambush and len(own) > 1:
+            first = min(own, key=lambda task: task.priority) if self.fifo else self.random.choice(own)
+            self.hidden = [task for task in own if task is not first]
+            own = [first]
+            self._at(horizon // 4, "now")
+        for task in own:
+            self._arrive(task, 0 if self.together else self.random.randrange(task.period), horizon)
         kernel = [(i.every, (i.wcet or 0) + 2 * self.node.board.context_switch) for i in self.node.interrupts]
         if self.node.board.tick_every is not None:
             kernel.append((self.node.board.tick_every, self.node.board.tick_cost))
@@ -425,6 +424,23 @@ class Simulation:
             while at < horizon and cost:
                 self._at(at, cost)
                 at += every
+
+    def _arrive(self, task: _Task, at: int, horizon: int) -> None:
+        if not self.together:
+            for machine in task.machines:
+                machine.phase = self.random.randrange(max(m.period // task.period for m in task.machines))
+        while at < horizon:
+            self._at(at, task)
+            at += task.period
+            if task.sporadic and self.random.random() < 0.3:
+                at += self.random.randrange(task.period)
+
+    def _attack(self, now: int, horizon: int) -> None:
+        """The hidden tasks arrive."""
+        for task in self.hidden:
+            self._arrive(task, now + 1, horizon)
+        self.hidden = []
+        self.events.sort()
 
     def run(self, horizon: int, most: int) -> Observation:
         """Simulate until `horizon` or until `most` jobs have ended."""
@@ -440,6 +456,8 @@ class Simulation:
                 elif isinstance(what, _Task):
                     self._release(what, now, now)
                     self.events.sort()
+                elif isinstance(what, str):
+                    self._attack(now, horizon)
                 elif isinstance(what, _Job):
                     assert what.task is not None
                     self._copy(what)
@@ -459,6 +477,11 @@ class Simulation:
             if not job.started:
                 self._begin(job, now)
             segment = job.segments[0]
+            if self.hidden and segment[0] > 1 and self.random.random() < 0.3:
+                assert job.task is not None
+                if segment[1] > job.task.priority:
+                    self._attack(now, horizon)
+                    until = self.events[0][0]
             spent = segment[0] if until is None else min(segment[0], until - now)
             segment[0] -= spent
             now += spent
