@@ -90,31 +90,30 @@ class Functions:
         self.orders: dict[int, Order] = {}
         self.stated: dict[int, Stated] = {}
         self.summaries: dict[int, Summary] = {}
-        self.cyclic: set[int] = set()
         self.quick: dict[int, Analysed] = {}
         self.thorough: dict[int, Analysed] = {}
         self.contexts: dict[Name, Analysed] = {}
         self.curtailed = False
 
     def settle(self, entry: int, deadline: float | None) -> callgraph.Order:
-        """Analyse everything that `entry` reaches and that is not known yet; the functions, callees first."""
+        """Analyse everything that `entry` reaches and that is not known yet; the functions, callees first.
+
+        What reaches a recursion has no bound whatever its loops do: nothing of it is analysed then.
+        """
         self.limits = replace(self.limits, deadline=deadline)
         graphs = self.graphs.program(entry)
         for key, cfg in graphs.items():
             if key not in self.cfgs:
                 self.cfgs[key] = split_irreducible(cfg)
         order = callgraph.order({key: self.cfgs[key] for key in graphs})
-        self.cyclic.update(key for cycle in order.cycles for key in cycle.members)
-        for key in order.functions:
-            if key in self.cyclic:
-                self.summaries[key] = UNKNOWN
-            elif key not in self.summaries:
+        for key in () if order.cycles else order.functions:
+            if key not in self.summaries:
                 found = self.quick[key] = self._analyse((key, ()), State(self.symbols), 0, _Family(), False)
                 self.summaries[key] = found.summary
         return order
 
     def default(self, key: int) -> Analysed | None:
-        """The function in the context that covers every call, with all effort; None for members of a recursion."""
+        """The function in the context that covers every call, with all effort; None where a recursion is reached."""
         quick = self.quick.get(key)
         if quick is None or not quick.unbounded:
             return quick
@@ -122,6 +121,10 @@ class Functions:
             self.thorough[key] = self._analyse((key, ()), State(self.symbols), 0, _Family(), True, quick.attempt)
             quick.attempt = None
         return self.thorough[key]
+
+    def graph_only(self, key: int) -> Analysed:
+        """The function without anything known of its values."""
+        return self._bare((key, ()), self.cfgs[key], self._nest(key))
 
     def from_state(self, key: int, state: State) -> Analysed:
         """The function entered in a state, with all effort."""

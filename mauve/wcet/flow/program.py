@@ -137,7 +137,7 @@ class _Program:
         self.binary, self.functions, self.entry = binary, functions, entry
         self.order: Order = functions.settle(entry, deadline)
         self.top: Analysed | None = None
-        if initial_data and entry not in functions.cyclic:
+        if initial_data and not self.order.cycles:
             self.top = functions.from_state(entry, self._initial_state())
         self.used = self._used()
 
@@ -152,6 +152,8 @@ class _Program:
     # ------------------------------------------------------------------------------------------------ results
     def _used(self) -> tuple[Analysed, ...]:
         """The contexts that the entry reaches, callees first."""
+        if self.order.cycles:
+            return tuple(self.functions.graph_only(key) for key in self.order.functions)
         order: list[Analysed] = []
         seen: set[Analysed] = set()
         stack = [(self.top or self.functions.default(self.entry), False)]
@@ -216,7 +218,8 @@ class _Program:
         notes = dict.fromkeys(note for function in self.used for note in function.notes)
         contexts = self._names()
         flows = {contexts[function]: self._flow(function, contexts) for function in self.used}
-        return ProgramFlow((self.entry, ""), flows, tuple(problems), (*notes, *given.unused(matched)), ASSUMPTIONS)
+        unused = () if self.order.cycles else given.unused(matched)
+        return ProgramFlow((self.entry, ""), flows, tuple(problems), (*notes, *unused), ASSUMPTIONS)
 
     def _names(self) -> dict[Analysed, ContextKey]:
         """A name for each context: its words, which tell it from the others of the function."""

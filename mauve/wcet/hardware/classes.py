@@ -6,7 +6,7 @@ class has no time for it, and an instruction of that class is a problem, never f
 
 from __future__ import annotations
 
-from mauve.wcet.binary.microop import Instruction, Kind, Traits
+from mauve.wcet.binary.microop import Call, IndirectCall, Instruction, Kind, Traits
 
 CONDITION_FAILED = "condition_failed"
 """An instruction whose condition does not hold, and a conditional branch that is not taken."""
@@ -21,7 +21,7 @@ TIMING_CLASSES: frozenset[str] = frozenset(
     | {"alu_register_shift", "alu_pc", "alu_pc_logical", "alu_pc_shift", "alu_pc_register_shift"}
     | set(_LOADS)
     | set(_MULTIPLES)
-    | {"store_scaled", "swap_narrow", "branch_link_thumb", CONDITION_FAILED}
+    | {"store_scaled", "swap_narrow", "branch_link_thumb", "branch_link_exchange", CONDITION_FAILED}
 )
 
 
@@ -29,6 +29,8 @@ def timing_class(instruction: Instruction) -> str:
     """The name of the timing entry for an instruction that executes (its condition holds)."""
     traits = instruction.traits
     match traits.kind:
+        case Kind.BRANCH_LINK | Kind.BRANCH_EXCHANGE if _is_blx(instruction):
+            return "branch_link_exchange"
         case Kind.ALU:
             return _alu_class(traits)
         case Kind.LOAD:
@@ -48,6 +50,16 @@ def timing_class(instruction: Instruction) -> str:
         case _:
             flags = traits.sets_flags and traits.kind in _WITH_FLAGS
             return f"{traits.kind.value}_flags" if flags else str(traits.kind.value)
+
+
+def _is_blx(instruction: Instruction) -> bool:
+    """Whether it links and may change the instruction set: a class of its own, because ARMv4T has no such instruction."""
+    match instruction.flow:
+        case IndirectCall():
+            return True
+        case Call(thumb=thumb):
+            return thumb != instruction.thumb
+    return False
 
 
 def _alu_class(traits: Traits) -> str:

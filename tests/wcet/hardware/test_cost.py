@@ -55,6 +55,7 @@ BX_LR = 0xE12FFF1E
         ("qadd r0, r1, r2", 0xE1020051, None, None, 1),
         ("ldrd r0, [r2]", 0xE1C200D0, None, None, 2),
         ("bx lr", BX_LR, 3, 3, 3),
+        ("blx r3", 0xE12FFF33, None, None, 3),
         ("cmp r0, #1", 0xE3500001, 1, 1, 1),
         ("mrs r0, cpsr", 0xE10F0000, 1, 1, 2),
         ("msr cpsr_f, r0", 0xE128F000, 1, 1, 1),
