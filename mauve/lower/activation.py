@@ -110,12 +110,17 @@ def _wakers(deployment: Deployment, nodes: Sequence[NodeTasks]) -> Wakers:
                 for connection in waking(instance, deployment.architecture.data)
             )
             if sources:
-                found[placed.task.name] = tuple(_waker(instances[name], tasks.get(name, ())) for name in sources)
+                found[placed.task.name] = tuple(w for name in sources for w in _publishers(instances[name], tasks))
     return found
 
 
-def _waker(instance: Instance, tasks: tuple[str, ...]) -> _Waker:
-    return _Waker(instance_period(instance), tasks, 0 if tasks else instance.jitter)
+def _publishers(instance: Instance, tasks: Mapping[str, tuple[str, ...]]) -> tuple[_Waker, ...]:
+    """A waker for each task that executes a part of the instance: each of them publishes the ports when its job
+    ends.
+    """
+    period = instance_period(instance)
+    holders = tasks.get(instance.name, ())
+    return tuple(_Waker(period, (name,), 0) for name in holders) or (_Waker(period, (), instance.jitter),)
 
 
 def _with_jitter(placed: PlacedTask, wakers: Wakers, responses: Mapping[str, int | None]) -> PlacedTask:
@@ -131,8 +136,11 @@ def _with_jitter(placed: PlacedTask, wakers: Wakers, responses: Mapping[str, int
 
 
 def _endless(placed: PlacedTask, wakers: Wakers) -> bool:
-    """Whether so many activations of a woken task would wait at once that its jitter surely grows without end."""
+    """Whether a task is woken more often than its separation says, or so many of its activations would wait at
+    once that its jitter surely grows without end."""
     known = [waker.period or 0 for waker in wakers.get(placed.task.name, ())]
+    if sum((Fraction(placed.task.period, period) for period in known if period), Fraction(0)) > 1:
+        return True
     return bool(known) and placed.task.jitter > PENDING * max(placed.task.period, *known)
 
 

@@ -53,7 +53,7 @@ def timing_class(instruction: Instruction) -> str:
 
 
 def _is_blx(instruction: Instruction) -> bool:
-    """Whether it links and may change the instruction set: a class of its own, because ARMv4T has no such instruction."""
+    """Whether it links and may change the instruction set: a class of its own, because ARMv4T has none of it."""
     match instruction.flow:
         case IndirectCall():
             return True

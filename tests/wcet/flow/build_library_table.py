@@ -49,9 +49,9 @@ PROOFS = {
         "first execution."
     ),
     "double-denormal": (
-        "Called when an exponent is 0 or 2047. Past the tests for zeros and for 2047 every operand with exponent 0 has a "
-        "fraction that is not 0 and below bit 52, and only such an operand is normalised; each pass doubles its 64 bits "
-        "until bit 52 is set, at most 52 executions."
+        "Called when an exponent is 0 or 2047. Past the tests for zeros and for 2047 every operand with exponent 0 has "
+        "a fraction that is not 0 and below bit 52, and only such an operand is normalised; each pass doubles its 64 "
+        "bits until bit 52 is set, at most 52 executions."
     ),
     "wide-quotient": (
         "The counter is the distance between the leading ones of divisor and dividend, at most 63, 64 for a "
