@@ -280,6 +280,32 @@ connect s.value -> b.value buffered size 9""")
     assert found["b"][0] == 14_400 * US
 
 
+def _with_writer_in_two_tasks(separation: str) -> dict[str, tuple[int, int | None, Reason | None]]:
+    """The responses where two tasks execute parts of the instance that wakes b, each with a response of its own."""
+    model = model_of(CHAIN % ("2ms", f"""instance a: Source {{ period 10ms  priority 3 }}
+instance b: Woken {{ sporadic {separation}  priority 1  deadline 200ms }}
+connect a.value -> b.value"""))
+    (node,) = tasks_of(model)
+    writer = next(placed for placed in node.tasks if placed.task.name == "a")
+    second = changed(writer, task=changed(writer.task, name="a2", priority=2))
+    split = changed(node, tasks=(second, *node.tasks))
+    (analysis,) = settle(model.deployments[0], [split], [Platform()], Method.TRACE).results
+    assert analysis is not None
+    return {r.task: (analysis.task(r.task).jitter, r.wcrt, r.reason) for r in analysis.results}
+
+
+def test_each_task_of_a_writer_wakes() -> None:
+    found = _with_writer_in_two_tasks("5ms")
+    assert (found["a"][1], found["a2"][1]) == (2 * MS, 4 * MS)
+    # s * sum(R / T + 1) = 5 * (2/10 + 1 + 4/10 + 1)
+    assert found["b"][0] == 13 * MS and found["b"][1] is not None
+
+
+def test_tasks_that_wake_more_often_than_the_separation_leave_no_response() -> None:
+    found = _with_writer_in_two_tasks("10ms")
+    assert found["b"][1:] == (None, Reason.ARRIVALS)
+
+
 def test_arrivals_of_a_writer_without_a_bound_leave_no_response() -> None:
     found = _settled("""instance a: Source { period 10ms  priority 3 }
 instance b: Woken { sporadic 10ms  priority 2  deadline 20ms }
