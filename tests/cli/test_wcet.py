@@ -193,3 +193,19 @@ def test_results_are_kept_for_the_next_run(mauvec: Command, monkeypatch: pytest.
     monkeypatch.setattr("mauve.wcet.flow.program.Programs", no_analysis)
     assert mauvec("wcet", ELF, "loop_step_up", *BOARD, "--format", "json").out == first.out
     assert mauvec("wcet", ELF, "loop_step_up", *BOARD, "--no-cache").code == 70
+
+
+@pytest.mark.parametrize(
+    ("image", "board", "cpu"),
+    [
+        ("cortex-m0-thumb-O2.elf", "generic-cortex-m0", "cortex-m0 at 48 MHz"),
+        ("cortex-m0-thumb-O2.elf", "generic-cortex-m0plus", "cortex-m0plus at 48 MHz"),
+        ("cortex-m3-thumb-O2.elf", "generic-cortex-m3", "cortex-m3 at 72 MHz"),
+        ("cortex-m3-thumb-O2.elf", "generic-cortex-m4", "cortex-m4 at 168 MHz"),
+        ("cortex-m3-thumb-O2.elf", "generic-cortex-m4f", "cortex-m4f at 168 MHz"),
+    ],
+)
+def test_boards_of_the_microcontrollers(mauvec: Command, image: str, board: str, cpu: str) -> None:
+    run = mauvec("wcet", FIXTURES / image, "sum", "--board", board)
+    assert (run.code, run.err) == (0, "")
+    assert f"on {board} ({cpu})" in run.out.splitlines()[0]

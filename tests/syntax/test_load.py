@@ -161,6 +161,11 @@ def test_the_standard_library_is_sound() -> None:
         "generic-arm7tdmi",
         "generic-arm926ej-s",
         "generic-arm920t",
+        "generic-cortex-m0",
+        "generic-cortex-m0plus",
+        "generic-cortex-m3",
+        "generic-cortex-m4",
+        "generic-cortex-m4f",
     ]
     (orocos,) = lifecycle.declarations
     assert isinstance(orocos, ast.LifecycleDecl)
