@@ -7,7 +7,7 @@ section 6, with five levels in place of two).
 
 from __future__ import annotations
 
-from enum import IntEnum
+from enum import Enum, IntEnum
 
 from mauve.records import record
 
@@ -36,11 +36,66 @@ class Transition:
     event: str = ""
 
 
+class EventKind(Enum):
+    """Who reports an event: the mission's user, an objective's activities, its timer, or the driver of a resource."""
+
+    START = "EV_START"
+    OK = "EV_OK"
+    FAIL = "EV_FAIL"
+    TIMEOUT = "EV_TIMEOUT"
+    LOST = "EV_OOS"
+    RECOVERED = "EV_RD"
+    OTHER = "EV"
+    """Of an environment that a test puts around a part of a mission."""
+
+
+@record
+class Event:
+    """An event by name, as the paper has it (`Filming_EV_OK`); `subject` is the path of an objective, or a resource."""
+
+    name: str
+    kind: EventKind
+    subject: str = ""
+
+
+@record
+class Meanings:
+    """What marked places say to a person; each entry begins with the index of a place.
+
+    objectives: the path of an elementary objective that is pursued; running: activity and alternative; failed: an
+    activity that an objective asked for and that has no alternative left; lost: hardware that is out of service;
+    outcomes: "success" and "failure".
+    """
+
+    objectives: tuple[tuple[int, str], ...] = ()
+    running: tuple[tuple[int, str, str], ...] = ()
+    failed: tuple[tuple[int, str], ...] = ()
+    lost: tuple[tuple[int, str], ...] = ()
+    outcomes: tuple[tuple[int, str], ...] = ()
+
+
 @record
 class Net:
-    """Names of places and transitions are unique; indices follow the order of declaration, which is canonical."""
+    """Names of places and transitions are unique; indices follow the order of declaration, which is canonical.
+
+    `groups` names for each place the part of the mission it belongs to: a resource, an activity, the path of an
+    objective, or "" for the mission itself.
+    """
 
     name: str
     places: tuple[str, ...]
     transitions: tuple[Transition, ...]
     initial: tuple[int, ...]
+    events: tuple[Event, ...] = ()
+    meanings: Meanings = Meanings()
+    groups: tuple[str, ...] = ()
+
+
+def marking(places: tuple[int, ...]) -> int:
+    """The marking with a token in each of these places."""
+    return sum(1 << place for place in set(places))
+
+
+def marked(net: Net, state: int) -> tuple[str, ...]:
+    """The names of the places that hold a token in a marking, in order of declaration."""
+    return tuple(name for place, name in enumerate(net.places) if state >> place & 1)
