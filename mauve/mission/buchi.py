@@ -57,7 +57,7 @@ def negated(formula: Formula) -> Formula:
 
 
 def automaton(formula: Formula, limit: int = 512) -> Automaton:
-    """The automaton of the words (of sets of atoms) that satisfy the formula; TooLarge past `limit` states or arrows."""
+    """The automaton of the words (of sets of atoms) that satisfy the formula; TooLarge past `limit` states."""
     atoms: list[Formula] = []
     start = frozenset([_normal(formula, True, atoms)])
     untils: list[Node] = []
