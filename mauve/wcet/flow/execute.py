@@ -32,11 +32,12 @@ from mauve.wcet.binary.microop import (
 from mauve.wcet.flow import closed_form, domain, flags, joining, linear
 from mauve.wcet.flow.closed_form import Stay
 from mauve.wcet.flow.domain import Range
+from mauve.wcet.flow.image import Image
 from mauve.wcet.flow.joining import Header
 from mauve.wcet.flow.linear import FIRST_FRESH, FRAME, Value
 from mauve.wcet.flow.order import FUNCTION, Order
 from mauve.wcet.flow.state import MASK_OF_ALL, State
-from mauve.wcet.flow.transfer import Image, run
+from mauve.wcet.flow.transfer import run
 
 States = list[State]
 Leaving = dict[int, States]

@@ -80,4 +80,29 @@ class ControlFact:
     key: int = 0
 
 
-Fact = LoopFact | ControlFact
+@record
+class Argument:
+    """The argument of a function in a slot of 32 bits, counted from 1: r0 to r3, then the words on the stack (AAPCS
+    5.5); a 64-bit argument takes an even pair of slots."""
+
+    function: str
+    slot: int
+
+
+@record
+class AssumeFact:
+    """The number at `place`, whenever it is read: within `low` to `high`, or unknown where both are None.
+
+    At an argument: whenever the function is called. In memory: all elements of the object, of `width` bytes each (0:
+    the whole object is one number). With initial data, what a fact speaks of does not start with the linked value.
+    """
+
+    place: Place | Argument
+    low: int | None = None
+    high: int | None = None
+    width: int = 0
+    written: str = ""
+    key: int = 0
+
+
+Fact = LoopFact | ControlFact | AssumeFact

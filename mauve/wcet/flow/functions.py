@@ -8,7 +8,7 @@ context that such a limit curtailed is kept for that family only.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 
 from mauve.wcet.binary import callgraph
@@ -23,10 +23,10 @@ from mauve.wcet.flow.effects import UNKNOWN, ProgramCalls, Summary
 from mauve.wcet.flow.execute import GaveUp, Record
 from mauve.wcet.flow.function import Attempt, FunctionResult, Limits, analyse_function
 from mauve.wcet.flow.given import Given, Stated
+from mauve.wcet.flow.image import Image
 from mauve.wcet.flow.order import Order, arrange
 from mauve.wcet.flow.result import AddressRange, FunctionFlow, LoopBound
 from mauve.wcet.flow.state import ABSOLUTE, State, Symbols
-from mauve.wcet.flow.transfer import Image
 from mauve.wcet.flow.values import LoopValues
 from mauve.wcet.result import Origin, Problem, ProblemKind
 
@@ -177,7 +177,12 @@ class Functions:
         if key not in self.orders:
             self.orders[key] = arrange(cfg, nest)
             self.stated[key] = self.given.bounds(cfg, nest)
-        wanted = frozenset(k for k in callgraph.callees(cfg) if self._incomplete(k))
+        narrowed = self.given.assumed.entered(key, state)
+        if narrowed is None:
+            bare = self._bare(name, cfg, nest)
+            return replace(bare, flow=replace(bare.flow, problems=(_contradicted(cfg, None),)))
+        assumed = self.given.assumed.arguments
+        wanted = frozenset(k for k in callgraph.callees(cfg) if k in assumed or self._incomplete(k))
         calls = ProgramCalls(self.summaries, wanted)
 
         def ranking(loop: Loop, record: Record) -> tuple[int, str] | None:
@@ -188,7 +193,7 @@ class Functions:
 
         stated = _smallest(self.stated[key].bounds, _library(cfg, nest))
         order = self.orders[key]
-        result = analyse_function(order, state, self.image, calls, stated, ranking, self.limits, thorough, attempt)
+        result = analyse_function(order, narrowed, self.image, calls, stated, ranking, self.limits, thorough, attempt)
         derived = {loop: bound.bound for loop, bound in result.bounds.items() if bound.origin is not Origin.ANNOTATION}
         called = self._contexts(cfg, result, depth, family)
         flow = FunctionFlow(
@@ -202,7 +207,10 @@ class Functions:
                 if region == ABSOLUTE and high <= MASK
             },
             {},
-            tuple(self._unbounded(cfg, nest, loop) for loop in sorted(result.unbounded)),
+            (
+                *(self._unbounded(cfg, nest, loop) for loop in sorted(result.unbounded)),
+                *self._broken_facts(cfg, result),
+            ),
             result.depth,
         )
         return Analysed(
@@ -215,6 +223,14 @@ class Functions:
             summary=effects.summarise(result.record),
             attempt=result.attempt,
         )
+
+    def _broken_facts(self, cfg: Cfg, result: FunctionResult) -> Iterator[Problem]:
+        """The calls whose arguments no fact about the callee allows."""
+        for index, edge in enumerate(cfg.edges):
+            for key in edge.callees:
+                state = result.record.calls.get((index, key))
+                if state is not None and self.given.assumed.entered(key, state) is None:
+                    yield _contradicted(self.cfgs[key], cfg.blocks[edge.source].instructions[-1].address)
 
     def _unbounded(self, cfg: Cfg, nest: LoopNest, loop: int) -> Problem:
         block = cfg.blocks[nest.loops[loop].header]
@@ -287,6 +303,12 @@ class Functions:
     def _no_better(inside: Analysed | None, default: Analysed) -> bool:
         """Whether a context left open what was open without it."""
         return inside is None or inside.targets is None or inside.unbounded >= default.unbounded
+
+
+def _contradicted(cfg: Cfg, call: int | None) -> Problem:
+    """No call of a function, or not this one, keeps what facts assume of its arguments."""
+    message = f"the arguments of `{cfg.name}` are not as the facts assume"
+    return Problem(ProblemKind.FACT_CONTRADICTED, message, cfg.address if call is None else call, cfg.name)
 
 
 def _library(cfg: Cfg, nest: LoopNest) -> dict[int, LoopBound]:

@@ -10,6 +10,7 @@ from mauve.wcet.binary.elf import Binary, ElfProblem
 from mauve.wcet.binary.graph import Cfg
 from mauve.wcet.binary.lines import LineTable, load_lines
 from mauve.wcet.binary.loops import LoopNest
+from mauve.wcet.flow.assumed import resolve
 from mauve.wcet.flow.facts import AtAddress, AtLine, AtSymbol, ControlFact, ControlKind, Fact, LoopFact, Place
 from mauve.wcet.flow.matching import Matches, match_facts, unmatched
 from mauve.wcet.flow.result import LoopBound
@@ -30,9 +31,10 @@ class Given:
 
     def __init__(self, binary: Binary, facts: Sequence[Fact], lines: LineTable | None = None) -> None:
         self.binary, self.facts = binary, tuple(facts)
-        by_line = any(isinstance(p, AtLine) for fact in facts for p in (fact.place, *_targets(fact)))
+        by_line = any(isinstance(place, AtLine) for fact in facts for place in (fact.place, *_targets(fact)))
         self.lines = (lines or load_lines(binary)) if by_line else LineTable()
         self.loops = any(isinstance(fact, LoopFact) for fact in self.facts)
+        self.assumed = resolve(binary, self.facts)
 
     def control(self) -> Control:
         """The control facts by address. A function that returns after all is what graphs assume anyway."""

@@ -16,6 +16,8 @@ from mauve.wcet.binary.elf import Binary
 from mauve.wcet.binary.graph import EXIT
 from mauve.wcet.binary.lines import LineTable
 from mauve.wcet.binary.microop import IndirectCall, IndirectJump, Instruction
+from mauve.wcet.flow.assumed import Assumed
+from mauve.wcet.flow.domain import Range
 from mauve.wcet.flow.facts import Fact
 from mauve.wcet.flow.function import Limits
 from mauve.wcet.flow.functions import POINTERS, Analysed, Functions
@@ -44,17 +46,22 @@ Targets = dict[int, tuple[int, ...]]
 
 
 class BinaryImage:
-    """The memory of a binary: read-only data, and with `initial` the data it starts with."""
+    """The memory of a binary: its read-only data, and what facts assume of the other."""
 
-    def __init__(self, binary: Binary) -> None:
+    def __init__(self, binary: Binary, assumed: Assumed) -> None:
         self.binary = binary
+        self._assumed = assumed
 
     def constant(self, address: int, size: int) -> int | None:
-        """See transfer.Image."""
+        """See image.Image."""
         if size == 0:
             return 0 if self.owns(address) else None
         found = self.binary.read_constant(address, size)
         return None if found is None else int.from_bytes(found, "little")
+
+    def assumed(self, addresses: Range, size: int, is_signed: bool) -> Range | None:
+        """See image.Image."""
+        return self._assumed.reading(addresses, size, is_signed)
 
     def owns(self, address: int) -> bool:
         """Whether an address lies in a segment."""
@@ -89,8 +96,8 @@ class Programs:
         lines: LineTable | None = None,
     ) -> None:
         self._binary, self._initial_data, self._limits = binary, initial_data, limits or Limits()
-        self._image = BinaryImage(binary)
         self._given = Given(binary, facts, lines)
+        self._image = BinaryImage(binary, self._given.assumed)
         self._stated = self._given.control()
         self._shared: dict[tuple[tuple[int, tuple[int, ...]], ...], Functions] = {}
 
@@ -138,15 +145,17 @@ class _Program:
         self.order: Order = functions.settle(entry, deadline)
         self.top: Analysed | None = None
         if initial_data and not self.order.cycles:
-            self.top = functions.from_state(entry, self._initial_state())
+            self.top = functions.from_state(entry, self._initial_state(functions.given.assumed))
         self.used = self._used()
 
-    def _initial_state(self) -> State:
+    def _initial_state(self, assumed: Assumed) -> State:
         state = State(self.functions.symbols)
         cells = state.cells(ABSOLUTE)
         for segment in self.binary.segments:
             if segment.writable:
                 _fill(cells, segment.address, segment.data.ljust(min(segment.size, MOST_INITIAL), b"\0"))
+        for stretch in assumed.memory:
+            state.forget_bytes(ABSOLUTE, stretch.start, stretch.end - 1)
         return state
 
     # ------------------------------------------------------------------------------------------------ results
@@ -219,7 +228,13 @@ class _Program:
         contexts = self._names()
         flows = {contexts[function]: self._flow(function, contexts) for function in self.used}
         unused = () if self.order.cycles else given.unused(matched)
-        return ProgramFlow((self.entry, ""), flows, tuple(problems), (*notes, *unused), ASSUMPTIONS)
+        return ProgramFlow(
+            (self.entry, ""),
+            flows,
+            tuple(problems),
+            (*notes, *unused, *given.assumed.problems),
+            (*ASSUMPTIONS, *given.assumed.sentences),
+        )
 
     def _names(self) -> dict[Analysed, ContextKey]:
         """A name for each context: its words, which tell it from the others of the function."""

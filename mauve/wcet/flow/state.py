@@ -12,12 +12,12 @@ addresses. Assumed: the frame is not reached through pointers that the function 
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from itertools import count
 
 from mauve.wcet.binary.microop import Condition, FlagKind
 from mauve.wcet.flow import domain, flags, linear
 from mauve.wcet.flow.domain import MASK, MODULUS, SIGN, TOP, Range
+from mauve.wcet.flow.image import Image
 from mauve.wcet.flow.linear import FIRST_FRESH, FRAME, MOST_TERMS, Value, entry_symbol
 
 ABSOLUTE = 0
@@ -479,14 +479,19 @@ class State:
         self.forget_bytes(FRAME, low, high)
         self.cells(FRAME).update(saved)
 
-    def load(self, address: Value, size: int, is_signed: bool, image: Callable[[int, int], int | None]) -> Value:
-        """Read `size` bytes and extend; `image` gives read-only (or initial) data."""
+    def load(self, address: Value, size: int, is_signed: bool, image: Image) -> Value:
+        """Read `size` bytes and extend; `image` gives read-only data, and what facts assume of the other."""
         region, low, high = self.place(address)
         value: Value | None = None
         if region is not None and low == high and _is_memory(region, low, image):
             value = self._load_cell(region, low, size)
             if value is None and region == ABSOLUTE:
-                value = image(low, size)
+                value = image.constant(low, size)
+                known = image.assumed(Range(low, 0, 0), size, is_signed) if value is None else None
+                if known is not None:
+                    value = self.fresh(known)
+                    if is_signed and size < 4:
+                        return value
             if value is None:
                 value = self._unknown(region, high, size)
                 if region == FRAME or len(self.memory.get(region, ())) < MOST_READ:
@@ -494,6 +499,9 @@ class State:
                     self.cells(region)[low] = (size, value)
         elif region == ABSOLUTE and not self._overlaps(low, high + size - 1):
             value = self._load_table(address, size, image)
+            known = image.assumed(self.range_of(address), size, is_signed) if value is None else None
+            if known is not None:
+                return self.fresh(known)
         if value is None:
             value = self._unknown(region, high, size)
         if is_signed and size < 4:
@@ -508,14 +516,14 @@ class State:
     def _overlaps(self, low: int, high: int) -> bool:
         return any(low - 4 < offset <= high for offset in self.memory.get(ABSOLUTE, ()))
 
-    def _load_table(self, address: Value, size: int, image: Callable[[int, int], int | None]) -> Value | None:
+    def _load_table(self, address: Value, size: int, image: Image) -> Value | None:
         """A constant table read at an unknown index."""
         addresses = self.range_of(address)
         if addresses.size > 1024:
             return None
         found: set[int] = set()
         for place in addresses.members():
-            entry = image(place, size)
+            entry = image.constant(place, size)
             if entry is None:
                 return None
             found.add(entry)
@@ -578,13 +586,13 @@ class State:
         self.taints = {symbol: mask for symbol, mask in self.taints.items() if symbol in live}
 
 
-def _is_memory(region: int, offset: int, image: Callable[[int, int], int | None]) -> bool:
+def _is_memory(region: int, offset: int, image: Image) -> bool:
     """Whether two loads from a place give the same number. A fixed address that is not the binary's may be a device,
     also as the base of an index: what was written there is not what is read. What pointers lead to is taken for memory.
     """
     if region == FRAME or (region != ABSOLUTE and abs(offset) < FAR):
         return True
-    return image(offset & MASK & ~3, 0) is not None
+    return image.constant(offset & MASK & ~3, 0) is not None
 
 
 _BY_SIZE = {1: domain.BYTE, 2: domain.HALF, 4: TOP}

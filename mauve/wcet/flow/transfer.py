@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Protocol
 
 from mauve.wcet.binary.microop import (
     Compute,
@@ -21,25 +20,9 @@ from mauve.wcet.binary.microop import (
 )
 from mauve.wcet.flow import domain, flags, linear
 from mauve.wcet.flow.domain import MASK, SIGN, TOP, Range
+from mauve.wcet.flow.image import Image, NoImage
 from mauve.wcet.flow.linear import FRAME, MOST_TERMS, Value
 from mauve.wcet.flow.state import State
-
-
-class Image(Protocol):
-    """The binary's memory as the analysis may use it."""
-
-    def constant(self, address: int, size: int) -> int | None:
-        """The little-endian number at `address` if it is the same whenever the program reads it (with size 0: 0 when
-        the address belongs to a section of the binary), else None."""
-
-
-class NoImage:
-    """An image of nothing."""
-
-    def constant(self, address: int, size: int) -> int | None:
-        """Unknown."""
-        return None
-
 
 Noted = Callable[[State, int, Value, int], None]
 """Called with the state, the index of the micro-operation, the address and the size of each access."""
@@ -60,7 +43,7 @@ def run(state: State, ops: tuple[MicroOp, ...], image: Image, note: Noted | None
             address = op.address.value if isinstance(op.address, Imm) else regs[op.address]
             if note is not None:
                 note(state, index, address, op.size)
-            regs[op.dst] = state.load(address, op.size, op.signed, image.constant)
+            regs[op.dst] = state.load(address, op.size, op.signed, image)
         elif kind is Store:
             assert isinstance(op, Store)
             address = op.address.value if isinstance(op.address, Imm) else regs[op.address]
