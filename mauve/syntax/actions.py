@@ -5,6 +5,7 @@ from __future__ import annotations
 from mauve.syntax.build import Action
 from mauve.syntax.build_behaviours import BEHAVIOUR_ACTIONS
 from mauve.syntax.build_components import COMPONENT_ACTIONS
+from mauve.syntax.build_missions import MISSION_ACTIONS
 from mauve.syntax.build_systems import SYSTEM_ACTIONS
 
-ACTIONS: dict[str, Action] = {**COMPONENT_ACTIONS, **BEHAVIOUR_ACTIONS, **SYSTEM_ACTIONS}
+ACTIONS: dict[str, Action] = {**COMPONENT_ACTIONS, **BEHAVIOUR_ACTIONS, **SYSTEM_ACTIONS, **MISSION_ACTIONS}

@@ -37,12 +37,12 @@ def _architecture(context: Context, children: list[Any], start: int, end: int) -
 def _instance(context: Context, children: list[Any], start: int, end: int) -> ast.InstanceDecl:
     attributes = only(children, ast.ExecutionAttribute)
     assignments = only(children, ast.Assignment)
-    _once_each(context, attributes)
+    once_each(context, attributes)
     span = context.span(start, end)
     return ast.InstanceDecl(children[1], children[3], attributes, assignments, span, context.doc(start))
 
 
-def _once_each(context: Context, attributes: tuple[ast.ExecutionAttribute, ...]) -> None:
+def once_each(context: Context, attributes: tuple[ast.ExecutionAttribute, ...]) -> None:
     """Report an execution attribute that is given twice."""
     seen: dict[ast.Execution, ast.ExecutionAttribute] = {}
     for attribute in attributes:
@@ -255,7 +255,7 @@ def _process(context: Context, children: list[Any], start: int, end: int) -> ast
 
 def _thread(context: Context, children: list[Any], start: int, end: int) -> ast.ThreadDecl:
     attributes = only(children, ast.ExecutionAttribute)
-    _once_each(context, attributes)
+    once_each(context, attributes)
     return ast.ThreadDecl(children[1], attributes, only(children, ast.Path), context.span(start, end))
 
 

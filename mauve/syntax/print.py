@@ -10,6 +10,9 @@ from mauve.records import field_names, is_record
 from mauve.source import SourceFile, Span
 from mauve.syntax import ast
 
+FLAGS = ("expect_unschedulable", "report_cuts")
+"""Fields whose span says only that the thing is written."""
+
 
 def format_ast(module: ast.Module) -> str:
     """The tree of a module. Fields that are empty are left out; names and literals stand on the line of their node."""
@@ -21,7 +24,7 @@ def _lines(node: Any, label: str, depth: int) -> Iterator[str]:
     words, blocks = [f"{label}{type(node).__name__}"], []
     for field in field_names(node):
         value = getattr(node, field)
-        if isinstance(value, (Span, SourceFile)) and field != "expect_unschedulable":
+        if isinstance(value, (Span, SourceFile)) and field not in FLAGS:
             continue
         if value is None or value is False or value in ("", ()):
             continue

@@ -85,9 +85,10 @@ class Situation:
                 return 0
         for count in range(limit):
             token = self.tokens[min(at + count, len(self.tokens) - 1)]
-            if token.text == ";":
+            kind = kind_of(self.table, simulated, token)
+            if token.text == ";" and not feed(self.table, list(simulated), kind):
                 continue  # a slip of its own
-            if not feed(self.table, simulated, kind_of(self.table, simulated, token)):
+            if not feed(self.table, simulated, kind):
                 return count + (count > 0 and self.opens_line(min(at + count, len(self.tokens) - 1)))
             if token.kind == END:
                 return limit

@@ -11,7 +11,8 @@ GROUPS: tuple[tuple[str, frozenset[str], str], ...] = (
     (
         "STRUCT",
         frozenset({"STRUCT", "ENUM", "COMPONENT", "PASSIVE", "EXTERNAL", "LIFECYCLE"})
-        | {"ARCHITECTURE", "BOARD", "ABSTRACT", "DEPLOYMENT"},
+        | {"ARCHITECTURE", "BOARD", "ABSTRACT", "DEPLOYMENT"}
+        | {"HARDWARE", "RESOURCE", "ACTIVITY", "OBJECTIVE", "MISSION"},
         "a declaration",
     ),
     ("PROPERTY", frozenset({"IN", "OUT", "EVENT"}), "a port"),
@@ -25,6 +26,10 @@ GROUPS: tuple[tuple[str, frozenset[str], str], ...] = (
     ("INSTANCE", frozenset({"INSTANCE"}), "an instance"),
     ("INSTANCE", frozenset({"CONNECT", "EXTERNAL"}), "a connection"),
     ("CPU", frozenset({"CPU", "ICACHE", "DCACHE", "MMU", "PREFETCH", "MEMORY", "OS"}), "a part of the board"),
+    ("CHECK", frozenset({"CHECK", "REPORT", "GENERATE", "ACCEPTS"}), "a check or another item of the mission"),
+    ("ALWAYS", frozenset({"NOT", "ALWAYS", "EVENTUALLY", "NEXT", "LPAR", "RUNNING", "OUT_OF_SERVICE", "ACTIVE"})
+     | {"SUCCESS", "FAILURE", "TRUE", "FALSE"}, "a formula"),
+    ("LIVE", frozenset({"LIVE", "BOUNDED", "DETERMINISTIC", "SUCCESS"}), "a property"),
     ("NUMBER", frozenset({"NUMBER", "HEX", "EXPONENT"}), "a number"),
     ("QUANTITY", frozenset({"QUANTITY"}), "a number with its unit"),
     ("STRING", frozenset({"STRING"}), "a text in quotes"),
@@ -37,7 +42,9 @@ DECLARED = {
     "OPERATION": "operation", "METHOD": "method", "INSTANCE": "instance", "ARCHITECTURE": "architecture",
     "BOARD": "board", "DEPLOYMENT": "deployment", "NODE": "node", "PROCESS": "process", "THREAD": "thread",
     "LIFECYCLE": "lifecycle", "MEMORY": "memory", "OS": "operating system", "INTERRUPT": "interrupt",
-    "PACKAGE": "package", "HOOK": "hook",
+    "PACKAGE": "package", "HOOK": "hook", "HARDWARE": "hardware", "RESOURCE": "resource", "ACTIVITY": "activity",
+    "ALTERNATIVE": "alternative", "OBJECTIVE": "objective", "MISSION": "mission", "MODE": "mode", "LTL": "check",
+    "PARALLEL": "parallel block",
 }  # fmt: skip
 """What a name after a keyword is the name of."""
 
@@ -47,6 +54,8 @@ NAMED = {
     "WHEN": "a bool codel", "AND": "a bool codel", "OR": "a bool codel", "NOT": "a bool codel",
     "ON": "an event", "EMIT": "an event", "RETURNS": "a type", "IMPORT": "a module", "OF": "an architecture",
     "EXTENDS": "a deployment", "ASSUME": "a codel", "CONNECT": "a port or a method", "EQUAL": "a value",
+    "CONSUMES": "a resource", "PRODUCES": "a resource", "RUNS": "a component", "DOES": "an activity",
+    "MANDATORY": "an objective", "OPTIONAL": "an objective", "SEMICOLON": "an objective",
     "SCHEDULE": "a scheduling policy", "LOCK": "a locking protocol", "INITIAL": "a value",
 }  # fmt: skip
 """What a name after a symbol refers to."""
@@ -63,6 +72,11 @@ SEPARATES: dict[tuple[str, str], tuple[str, str]] = {
     ("EQUAL", "BINARY"): ("between the codel and its symbol", "the symbol starts here"),
     ("EQUAL", "INSTANCE"): ("between the property and its value", "the value starts here"),
     ("COMMA", "ONCE"): ("after `once`", ""),
+    ("COLON", "HARDWARE"): ("between the hardware and its kind", "the kind starts here"),
+    ("COLON", "RESOURCE"): ("between the resource and its type", "the type starts here"),
+    ("COLON", "LTL"): ("between the check and its formula", "the formula starts here"),
+    ("SEMICOLON", "OBJECTIVE"): ("between two steps", "the next step starts here"),
+    ("SEMICOLON", "MISSION"): ("between two steps", "the next step starts here"),
 }
 """The place and the label of a missing mark, by the mark and the keyword of the construct it belongs to."""
 

@@ -109,6 +109,36 @@ abstract deployment {w} of {w} extends {w} {{
   }}
   process {w}.{w} {{ thread {w} {{ {w} }} }}
 }}
+hardware {w}: {w} may fail, may recover
+hardware {w}
+resource {w}: {w}.{w} shared
+activity {w} {{
+  consumes {w}, {w}
+  produces {w}
+  runs {w}.{w}
+  mode {w} = state {w}.{w}
+  alternative {w} {{ consumes {w} mode {w} }}
+  alternative {w} priority 2 {{ }}
+  on recovery upgrade
+}}
+objective {w} {{ does {w}, {w} timeout 1min -> failure }}
+objective {w} {{ {w} }}
+objective {w} {{ {w} ; {w} on failure recover {{ {w} ; }} continue ; parallel {w} {{ mandatory {w} optional {w} }} ; }}
+mission {w} {{
+  {w} ;
+  {w} on failure retry 3 ;
+  parallel {{ optional {w} on failure continue }} ;
+  check live, bounded, success reachable with at most 1 of {w}, {w} out of service, deterministic
+  check ltl {w}: always (running({w}.{w}) until active({w}) implies not out_of_service({w}) or true)
+  report cuts
+  generate controller runs {w} {{ period 1ms priority 3 wcet 1us }}
+  accepts single failure of {w}, {w}
+}}
+mission {w} {{
+  {w}
+  check success reachable with at most 1 out of service
+  generate controller
+}}
 """
 
 

@@ -15,7 +15,8 @@ from mauve.syntax.table import load_table
 
 ROOT = Path(__file__).resolve().parents[2]
 DATA = Path(__file__).parent / "data"
-REFERENCE = (ROOT / "docs" / "reference" / "language.md").read_text(encoding="utf-8")
+PAGES = ("language.md", "missions.md")
+REFERENCE = "\n".join((ROOT / "docs" / "reference" / page).read_text(encoding="utf-8") for page in PAGES)
 EXAMPLES = re.findall(r"```mauve\n(.*?)```", REFERENCE, re.S)
 
 

@@ -64,6 +64,7 @@ from mauve.syntax.ast.deployments import (
     SymbolBinding,
     ThreadDecl,
 )
+from mauve.syntax.ast.missions import MissionPart
 from mauve.syntax.ast.module import Declaration, Import, Module
 from mauve.syntax.ast.names import Boolean, List, Name, Number, Path, Quantity, Record, String, Value
 from mauve.syntax.ast.types import EnumDecl, Field, StructDecl, TypeRef
@@ -110,6 +111,7 @@ __all__ = [
     "Machine",
     "MemoryItem",
     "MethodDecl",
+    "MissionPart",
     "Module",
     "Name",
     "NodeDecl",

@@ -9,6 +9,7 @@ from mauve.syntax.ast.behaviour import LifecycleDecl
 from mauve.syntax.ast.boards import BoardDecl
 from mauve.syntax.ast.components import ComponentDecl
 from mauve.syntax.ast.deployments import DeploymentDecl
+from mauve.syntax.ast.missions import MissionPart
 from mauve.syntax.ast.names import Name, Path
 from mauve.syntax.ast.types import EnumDecl, StructDecl
 
@@ -26,7 +27,10 @@ class Import:
 
 @record
 class Module:
-    """One file. `version` is the language version of its first line, None when that line is missing."""
+    """One file. `version` is the language version of its first line, None when that line is missing.
+
+    The declarations of missions stand apart: their names are a space of their own.
+    """
 
     file: SourceFile
     version: int | None
@@ -34,3 +38,4 @@ class Module:
     imports: tuple[Import, ...]
     declarations: tuple[Declaration, ...]
     doc: str = ""
+    missions: tuple[MissionPart, ...] = ()
