@@ -80,7 +80,7 @@ class _Costs:
         for step in state.steps(Role.MESSAGE):
             count = self._messages(step)
             for part in self.parts((step,)):
-                yield CostPart(f"{part.label} x{count}", part.cost * count) if count > 1 else part
+                yield CostPart(part.label, part.cost * count, count)
         yield from self.parts((*state.steps(Role.METHOD), *state.steps(Role.RUN)))
 
     def guards(self, tried: tuple[Transition, ...]) -> Iterator[CostPart]:

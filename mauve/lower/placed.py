@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-from mauve.lower.blocking import Section
 from mauve.lower.machines import Machine
 from mauve.model.model import Instance, Node, Setting
 from mauve.records import record
 from mauve.source import Span
-from mauve.timing.task import Task
+from mauve.timing.task import Section, Task
 
 
 @record
 class PlacedTask:
     """A task with what it stands for: its machines, its instances (not all of their regions need be its own), and the
-    span that its messages point at. `locked` says that its process protects shared data by immediate ceilings."""
+    span that its messages point at. `locked` says that its process protects shared data by immediate ceilings;
+    `blocker` is the section that delays it longest."""
 
     task: Task
     machines: tuple[Machine, ...]
@@ -22,7 +22,6 @@ class PlacedTask:
     priority: Setting
     deadline: Setting
     locked: bool = False
-    sections: tuple[Section, ...] = ()
     blocker: Section | None = None
 
 

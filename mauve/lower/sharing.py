@@ -11,12 +11,12 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 
 from mauve.diagnostics.diagnostic import Diagnostic, Fix, Label, Report
-from mauve.lower.blocking import Section
 from mauve.lower.calls import Services, Use, uses
 from mauve.lower.placed import PlacedTask
 from mauve.model.model import CodelId, ComponentKind, Endpoint, Instance
 from mauve.records import record
 from mauve.source import Span
+from mauve.timing.task import Section
 
 
 @record
@@ -99,4 +99,4 @@ def data_sections(placed: PlacedTask, shared: Shared, times: Mapping[CodelId, in
         for access in accesses:
             if access.task == placed.task.name and access.codel in times:
                 what = f"`{access.codel}`, which uses `{datum}`"
-                yield Section(str(datum), access.task, what, times[access.codel])
+                yield Section(str(datum), access.task, what, times[access.codel], str(access.codel))

@@ -6,7 +6,6 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 
 from mauve.diagnostics.diagnostic import Diagnostic, Fix, Label, Report, Severity
-from mauve.lower.blocking import Section, blockers, longest
 from mauve.lower.calls import Services, services
 from mauve.lower.machines import Machine
 from mauve.lower.placed import NodeTasks, PlacedTask
@@ -16,7 +15,8 @@ from mauve.model.model import CodelId, DataConnection, Deployment, Instance, Nod
 from mauve.model.periods import common_period, instance_period
 from mauve.model.priorities import contradiction
 from mauve.records import changed
-from mauve.timing.task import Task, Workload, constant, machine
+from mauve.timing.blocking import blockers, longest
+from mauve.timing.task import Section, Task, Workload, constant, machine
 from mauve.units import format_time
 
 
@@ -149,8 +149,7 @@ def _with_blocking(
     tasks = tuple(
         changed(
             one,
-            task=changed(one.task, blocking=worst.length if worst else 0),
-            sections=sections,
+            task=changed(one.task, sections=sections),
             blocker=worst,
         )
         for one, sections, worst in zip(draft.tasks, held, found, strict=True)
@@ -163,7 +162,7 @@ def _operations(placed: PlacedTask, connected: Services, times: Mapping[CodelId,
     for instance, use in task_uses(placed, connected):
         if use.provider and use.codel in times:
             what = f"`{use.codel}` of `{use.provider}`"
-            yield Section(use.provider, instance.name, what, times[use.codel])
+            yield Section(use.provider, instance.name, what, times[use.codel], str(use.codel))
 
 
 def _exchanges(draft: NodeTasks, connections: Sequence[DataConnection]) -> dict[str, list[Section]]:

@@ -114,7 +114,7 @@ def _component(placed: PlacedTask, analysis: Analysis, complete: bool) -> dict[s
         "deadline_ps": task.deadline,
         "deadline_default": bool(placed.deadline.default),
         "jitter_ps": task.jitter,
-        "blocking_ps": task.blocking,
+        "blocking_ps": analysed.blocking,
         "load": float(analysed.load),
         "trace_ps": list(analysed.trace(length)),
         **_response(result, complete),

@@ -13,9 +13,10 @@ from collections.abc import Sequence
 from itertools import pairwise
 
 from mauve.records import record
-from mauve.timing.level import Budget, finish, job_finishes
+from mauve.timing.deferred import is_deferred, own_demand, section_of, start_of
+from mauve.timing.level import Budget, finish
 from mauve.timing.psm import PsmTransition
-from mauve.timing.response import STEPS, Analysis, Charge, Method, interference_on
+from mauve.timing.response import STEPS, Analysis, Charge, Method, ResponseResult, first_late, interference_on
 from mauve.timing.task import Kind, Task, Workload
 from mauve.timing.traces import PsmCurve, witness_run
 
@@ -83,7 +84,8 @@ def worst_bill(analysis: Analysis, name: str) -> Bill | None:
     result = analysis.result(name)
     if result.wcrt is None:
         return None
-    return _bill(analysis.tasks, analysis.task(name), result.worst_job, result.finish, result.charges)
+    task = analysis.task(name)
+    return _bill(analysis.tasks, task, result.worst_job, result.finish, result.charges, _start(analysis, result))
 
 
 def deadline_bill(analysis: Analysis, name: str, steps: int = STEPS) -> Bill | None:
@@ -98,11 +100,17 @@ def deadline_bill(analysis: Analysis, name: str, steps: int = STEPS) -> Bill | N
         # Only its first job matters there, with the charges of its worst run: what came by the deadline is a part.
         late = 1
     else:
-        late = job_finishes(task, interference_on(task, analysis.tasks), Budget(steps), until_late=True).late
+        late = first_late(task, interference_on(task, analysis.tasks), Budget(steps))
     if late == 0:
         return None
     window = max(0, task.deadline + (late - 1) * task.period - task.jitter)
-    return _bill(analysis.tasks, task, late, window, result.charges)
+    latest = window - section_of(task) if is_deferred(task) else None
+    if latest is not None:
+        others = interference_on(task, analysis.tasks)
+        base = task.blocking + own_demand(task, late) - section_of(task)
+        begin = start_of(others, base, 0, Budget(steps))
+        latest = max(0, latest if begin is None else min(begin, latest))
+    return _bill(analysis.tasks, task, late, window, result.charges, latest)
 
 
 def first_finish(analysis: Analysis, name: str, steps: int = STEPS) -> int | None:
@@ -118,14 +126,38 @@ def first_finish(analysis: Analysis, name: str, steps: int = STEPS) -> int | Non
     return None if end is None else end + task.jitter
 
 
-def _bill(tasks: Sequence[Task], task: Task, job: int, window: int, charges: tuple[Charge, ...]) -> Bill:
+def _start(analysis: Analysis, result: ResponseResult) -> int | None:
+    """When the section that is not preempted begins in the worst case; None for a preemptive task."""
+    task = analysis.task(result.task)
+    if not is_deferred(task):
+        return None
+    base = task.blocking + own_demand(task, result.worst_job) - result.section
+    return start_of(interference_on(task, analysis.tasks), base, 0, Budget(STEPS))
+
+
+def _bill(
+    tasks: Sequence[Task], task: Task, job: int, window: int, charges: tuple[Charge, ...], start: int | None
+) -> Bill:
+    """`start` is when the last section begins: what other tasks release later does not delay it (`deferred.py`)."""
     charged = {(charge.task, charge.place): charge.costs for charge in charges}
-    lines = [
-        _line(other, -(-(window + other.jitter) // other.period), window, charged)
-        for other in interference_on(task, tasks).tasks
-    ]
+    lines = []
+    for other in interference_on(task, tasks).tasks:
+        length = window if start is None or other.kind is not Kind.TASK else start + 1
+        lines.append(_line(other, -(-(length + other.jitter) // other.period), length, charged))
     others = sorted((line for line in lines if line.cost), key=lambda line: (-line.cost, line.task))
-    return Bill(task.name, job, window, _line(task, job, None, {}), tuple(others), task.blocking)
+    own = _line(task, job, None, {}) if start is None else _own_deferred(task, job)
+    return Bill(task.name, job, window, own, tuple(others), task.blocking)
+
+
+def _own_deferred(task: Task, job: int) -> BillLine:
+    """The task's own jobs where the last one may be the dearest: E(q-1) and E(1)."""
+    before, last = _line(task, job - 1, None, {}), _line(task, 1, None, {})
+    work = tuple(
+        BillWork(a.name, a.jobs + b.jobs, a.cost + b.cost, (a.trace + b.trace)[:SHOWN_JOBS], b.run if job == 1 else ())
+        for a, b in zip(before.work, last.work, strict=True)
+    )
+    cost = before.cost + last.cost
+    return BillLine(task.name, task.kind, task.priority, task.period, job, cost, before.overhead + last.overhead, work)
 
 
 def _line(

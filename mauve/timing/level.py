@@ -163,7 +163,7 @@ def job_finishes(
     period, jitter = task.period, task.jitter
     finishes: list[int] = []
     jobs = repeat // period if repeat else 0
-    settled = _settled(task, others) if repeat else None
+    settled = settled_from(task, others) if repeat else None
     own = task.demand(1)
     start = warm + own if warm else 0
     q = 0
@@ -212,7 +212,7 @@ def repetition(tasks: Sequence[Task]) -> int | None:
     return lcm(whole, *(task.period for task in tasks))
 
 
-def _settled(task: Task, others: Interference) -> Callable[[int], bool]:
+def settled_from(task: Task, others: Interference) -> Callable[[int], bool]:
     """Whether from job q on all curves are beyond their transients; q is reached in any window >= (q-1) T - J."""
     laws = [(curve.repeat(), period, owner.jitter) for curve, owner, period in _curves([*others.tasks, task])]
 

@@ -19,10 +19,14 @@ from mauve.records import changed, record
 
 @record
 class CostPart:
-    """One contribution to the cost of a transition, e.g. a codel (`label`) and its execution time (`cost`)."""
+    """One contribution to the cost of a transition, e.g. a codel (`label`) that runs `count` times, `cost` in all."""
 
     label: str
     cost: int
+    count: int = 1
+
+    def __str__(self) -> str:
+        return f"{self.label} x{self.count}" if self.count > 1 else self.label
 
 
 @record
@@ -97,7 +101,7 @@ def format_psm(psm: Psm, show: Callable[[int], str] = str) -> str:
     target_width = max((len(t.target) for t in psm.transitions), default=0)
     cost_width = max((len(show(t.cost)) for t in psm.transitions), default=0)
     for t in psm.transitions:
-        parts = " + ".join(f"{part.label} {show(part.cost)}" for part in t.parts)
+        parts = " + ".join(f"{part} {show(part.cost)}" for part in t.parts)
         line = f"  {t.source:<{width}} -> {t.target:<{target_width}}  {show(t.cost):>{cost_width}}"
         line += f"  {t.label}" if t.label else ""
         line += f"  = {parts}" if parts else ""

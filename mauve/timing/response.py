@@ -1,9 +1,11 @@
-"""Worst-case response times: fixed priorities, preemptive, one processor (MAUVE paper, section III.C.4).
+"""Worst-case response times: fixed priorities, one processor (MAUVE paper, section III.C.4).
 
     w_i(q) = least fixed point of B_i + E_i(q) + sum over j in hep(i) without i of E_j(ceil((w + J_j) / T_j))
     R_i    = max over q = 1 .. ceil((L_i + J_i) / T_i) of J_i + w_i(q) - (q-1) T_i       from the nominal arrival
 
-with L_i the level-i busy period. Arbitrary deadlines, jitter, blocking and a load of exactly 1 are covered. Methods:
+with L_i the level-i busy period. Arbitrary deadlines, jitter, blocking and a load of exactly 1 are covered; for tasks
+that are not preempted, or not in their last section, see `deferred.py`. Blocking is what a task was given or what the
+sections of less urgent tasks cause, whichever is longer (`blocking.py`). Methods:
 
 * sporadic: each job costs the dearest transition of its machine;
 * paper:    the paper's own: first job only, no blocking, no jitter. As printed, the release index j T_i would leave
@@ -21,7 +23,18 @@ from itertools import chain, groupby
 from typing import TYPE_CHECKING
 
 from mauve.records import changed, record
-from mauve.timing.level import Budget, Interference, finish, float_load, job_finishes, load_compared_to_one, repetition
+from mauve.timing.blocking import with_blocking
+from mauve.timing.deferred import deferred_finishes, is_deferred, section_of
+from mauve.timing.level import (
+    Budget,
+    Interference,
+    JobsOutcome,
+    finish,
+    float_load,
+    job_finishes,
+    load_compared_to_one,
+    repetition,
+)
 from mauve.timing.task import Kind, Task
 from mauve.timing.traces import ConstantCurve
 
@@ -59,9 +72,14 @@ class Caveat(Enum):
     LATER_JOBS = "the response exceeds the period, and the paper's method looks at the first job only"
     JITTER = "there is jitter, which the paper's method leaves out"
     BLOCKING = "there is blocking, which the paper's method leaves out"
+    NO_PREEMPTION = "there is work that cannot be preempted, which the paper's method leaves out"
     ESTIMATED = "a workload curve was extended by subadditivity beyond its computed part"
     FELL_BACK = "the exact method does not cover this task; the trace method was used"
     GAVE_UP = "the exact method met too many runs; the value is a sound bound between trace and exact"
+
+
+UNSOUND = frozenset((Caveat.LATER_JOBS, Caveat.JITTER, Caveat.BLOCKING, Caveat.NO_PREEMPTION))
+"""The caveats that say a response may be too small."""
 
 
 @record
@@ -77,8 +95,9 @@ class Charge:
 class ResponseResult:
     """The response of one task: `wcrt` from the nominal arrival, or None and the `reason`.
 
-    `worst_job` is the q that attains it and `finish` its w(q); `busy_period` is L_i (None where unknown or without
-    end); `responsible` the tasks of an overload, the greatest load first; `method` the one that was really used.
+    `worst_job` is the q that attains it and `finish` its w(q); `section` the part at its end that is not preempted (0
+    for a preemptive task); `busy_period` is L_i (None where unknown or without end); `responsible` the tasks of an
+    overload, the greatest load first; `method` the one that was really used.
     """
 
     task: str
@@ -92,6 +111,7 @@ class ResponseResult:
     caveats: tuple[Caveat, ...] = ()
     responsible: tuple[str, ...] = ()
     charges: tuple[Charge, ...] = ()
+    section: int = 0
 
     @property
     def schedulable(self) -> bool:
@@ -109,7 +129,7 @@ class Analysis:
     """The responses of all tasks (not of interrupts and ticks), in the order given.
 
     `tasks` are those of the request as the method sees them: constant curves for `sporadic`, no jitter and blocking
-    for `paper`. Bills are made from them (`bill.py`).
+    for `paper`, else with the blocking that sections cause. Bills are made from them (`bill.py`).
     """
 
     method: Method
@@ -169,7 +189,8 @@ def analyse(tasks: Sequence[Task], method: Method = Method.TRACE, steps: int = S
             above.add(peer)
     results = [found[task.name] for task in seen if task.kind is Kind.TASK]
     if method is Method.PAPER:
-        results = [_with_paper_caveats(result, tasks) for result in results]
+        given = with_blocking(tasks)
+        results = [_with_paper_caveats(result, given) for result in results]
     return Analysis(method, tuple(seen), tuple(results))
 
 
@@ -179,12 +200,12 @@ def as_seen(tasks: Sequence[Task], method: Method) -> list[Task]:
         case Method.SPORADIC:
             return [
                 changed(task, work=tuple(changed(p, curve=ConstantCurve(p.curve.total(1))) for p in task.work))
-                for task in tasks
+                for task in with_blocking(tasks)
             ]
         case Method.PAPER:
-            return [changed(task, jitter=0, blocking=0) for task in tasks]
+            return [changed(task, jitter=0, blocking=0, sections=(), preemptive=True, tail=0) for task in tasks]
         case Method.TRACE | Method.EXACT:
-            return list(tasks)
+            return with_blocking(tasks)
 
 
 def interference_on(task: Task, tasks: Sequence[Task]) -> Interference:
@@ -194,6 +215,31 @@ def interference_on(task: Task, tasks: Sequence[Task]) -> Interference:
         if other.priority >= task.priority and other.name != task.name:
             others.add(other)
     return others
+
+
+def meets_deadline(task: Task, others: Interference, budget: Budget) -> bool:
+    """Whether the deadline of a task is proven to hold under this interference, by the trace method.
+
+    Its `blocking` counts as it is (see `with_blocking`). Costs much less than the response where a job is late early.
+    """
+    level = load_compared_to_one(chain(others.tasks, (task,)), others.load + float_load(task))
+    if level > 0:
+        return False
+    repeat = repetition([*others.tasks, task]) if level == 0 else None
+    if level == 0 and repeat is None:
+        budget.steps = min(budget.steps, UNPROVEN_STEPS)
+    return _jobs(task, others, budget, repeat).closed
+
+
+def _jobs(task: Task, others: Interference, budget: Budget, repeat: int | None) -> JobsOutcome:
+    if is_deferred(task):
+        return deferred_finishes(task, others, budget, repeat, until_late=True)
+    return job_finishes(task, others, budget, repeat=repeat, until_late=True)
+
+
+def first_late(task: Task, others: Interference, budget: Budget) -> int:
+    """The first job of the busy period that misses its deadline; 0 where none is found to."""
+    return _jobs(task, others, budget, None).late
 
 
 def _respond(
@@ -208,15 +254,19 @@ def _respond(
     repeat = repetition([*others.tasks, task]) if level == 0 else None
     if level == 0 and repeat is None:
         budget.steps = min(budget.steps, UNPROVEN_STEPS)
-    jobs = job_finishes(task, others, budget, warm, repeat)
+    deferred = is_deferred(task)
+    if deferred:
+        jobs = deferred_finishes(task, others, budget, repeat)
+    else:
+        jobs = job_finishes(task, others, budget, warm, repeat)
     finishes = jobs.finishes
-    first = finishes[0] if finishes else None
+    first = finishes[0] if finishes and not deferred else None
     if not jobs.closed:
         reason = Reason.FULL_LOAD if level == 0 else Reason.LIMIT
         return ResponseResult(task.name, None, task.deadline, method, reason), first
     lasting = [end - index * task.period for index, end in enumerate(finishes)]
     worst = lasting.index(max(lasting))
-    if method is Method.EXACT:
+    if method is Method.EXACT and not deferred:
         from mauve.timing.exact import refine
 
         refined = refine(task, others, max(lasting), runs)
@@ -231,6 +281,7 @@ def _respond(
         finish=finishes[worst],
         busy_period=jobs.busy,
         caveats=_estimated(task, others, finishes[-1], len(finishes)),
+        section=section_of(task) if deferred else 0,
     )
     if method is Method.EXACT:
         result = changed(result, caveats=(*result.caveats, Caveat.FELL_BACK))
@@ -287,4 +338,6 @@ def _with_paper_caveats(result: ResponseResult, tasks: Sequence[Task]) -> Respon
         caveats.append(Caveat.JITTER)
     if task.blocking > 0:
         caveats.append(Caveat.BLOCKING)
+    if is_deferred(task):
+        caveats.append(Caveat.NO_PREEMPTION)
     return changed(result, caveats=tuple(caveats))

@@ -7,13 +7,15 @@ response. Under the methods `trace` and `exact` the probes use the trace method,
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Sequence
 from enum import Enum
 
 from mauve.records import changed, record
-from mauve.timing.level import Budget, finish, float_load, job_finishes, load_compared_to_one, repetition
+from mauve.timing.deferred import is_deferred
+from mauve.timing.level import Budget, finish
 from mauve.timing.psm import PsmTransition, map_costs
-from mauve.timing.response import STEPS, Analysis, Method, interference_on
+from mauve.timing.response import STEPS, Analysis, Method, first_late, interference_on, meets_deadline
 from mauve.timing.task import Task, Workload
 from mauve.timing.traces import ConstantCurve, Curve, FramesCurve, PsmCurve, TableCurve
 
@@ -127,10 +129,10 @@ def _miss(task: Task, tasks: Sequence[Task], method: Method, steps: int) -> _Mis
     others = interference_on(task, tasks)
     late = 1
     if method is not Method.PAPER:
-        late = job_finishes(task, others, Budget(steps), until_late=True).late
+        late = first_late(task, others, Budget(steps))
     window = task.deadline + (late - 1) * task.period - task.jitter
     moments = _moments(others.tasks, window)
-    if late == 0 or window <= 0 or moments is None:
+    if late == 0 or window <= 0 or moments is None or (is_deferred(task) and method is not Method.PAPER):
         return _Miss(max(1, late), max(0, window), 0)
     base = task.blocking + task.demand(late)
     # Between releases the excess only falls, so its least values are where one is just due, and at the end.
@@ -153,11 +155,7 @@ def _meets(tasks: Sequence[Task], name: str, method: Method, steps: int) -> bool
     if method is Method.PAPER:
         end = finish(others, task.demand(1), 0, Budget(steps), task.deadline)
         return end is not None and end <= task.deadline
-    level = load_compared_to_one(tasks, others.load + float_load(task))
-    if level > 0:
-        return False
-    repeat = repetition(tasks) if level == 0 else None
-    return job_finishes(task, others, Budget(steps), repeat=repeat, until_late=True).closed
+    return meets_deadline(task, others, Budget(steps))
 
 
 def _candidates(tasks: Sequence[Task], missed: Task, miss: _Miss) -> list[_Candidate]:
@@ -215,10 +213,11 @@ def _codels(tasks: Sequence[Task]) -> dict[str, list[_Use]]:
             times: dict[str, int] = {}
             for transition in part.curve.psm.transitions:
                 for one in (transition, *transition.alternatives):
-                    labels = [item.label for item in one.parts]
+                    runs: Counter[str] = Counter()
                     for item in one.parts:
-                        dearest[item.label] = max(item.cost, dearest.get(item.label, 0))
-                        times[item.label] = max(labels.count(item.label), times.get(item.label, 0))
+                        runs[item.label] += item.count
+                        dearest[item.label] = max(-(-item.cost // item.count), dearest.get(item.label, 0))
+                    times = {label: max(times.get(label, 0), runs[label]) for label in times | runs}
             for label, cost in dearest.items():
                 uses.setdefault(label, []).append(_Use(task, part.period or task.period, cost, times[label]))
     return uses
@@ -259,7 +258,8 @@ def _with_cost(transition: PsmTransition, cost: int) -> PsmTransition:
 def _cap_codel(label: str) -> Callable[[Task, int], Task]:
     def transition(one: PsmTransition, cost: int) -> PsmTransition:
         parts = tuple(
-            changed(part, cost=min(part.cost, cost)) if part.label == label else part for part in one.parts
+            changed(part, cost=min(part.cost, cost * part.count)) if part.label == label else part
+            for part in one.parts
         )
         saved = sum(part.cost for part in one.parts) - sum(part.cost for part in parts)
         return changed(one, cost=one.cost - saved, parts=parts) if saved else one

@@ -57,13 +57,29 @@ def machine(psm: Psm, period: int = 0) -> Workload:
 
 
 @record
+class Section:
+    """A stay of `holder` in the critical section of `resource`: `length` units of time at most. `what` it does there,
+    in words; `label` the part of its transitions whose cost the length is, where it is one; `above_all`: nothing but
+    interrupts preempts it."""
+
+    resource: str
+    holder: str
+    what: str
+    length: int
+    label: str = ""
+    above_all: bool = False
+
+
+@record
 class Task:
-    """A task of a fixed-priority preemptive schedule on one processor.
+    """A task of a fixed-priority schedule on one processor.
 
     period: (least) separation of arrivals; deadline: from the nominal arrival; jitter: greatest delay from the nominal
-    arrival to the release; blocking: longest critical section of less urgent tasks that can delay it; overhead: added
-    to each job (context switches, see `on_platform`), not part of `work`. Several workloads add up; they are never
-    multiplied into one machine. Raises ValueError on values that no task can have.
+    arrival to the release; blocking: longest delay by less urgent tasks, beyond what their sections cause; overhead:
+    added to each job (context switches, see `on_platform`), not part of `work`; sections: where it holds resources
+    (`blocking.py`). A task that is not `preemptive` runs its jobs to their end once they have started; one with a
+    `tail` only the last part of each, of at most that length. Several workloads add up; they are never multiplied into
+    one machine. Raises ValueError on values that no task can have.
     """
 
     name: str
@@ -75,12 +91,15 @@ class Task:
     blocking: int = 0
     overhead: int = 0
     kind: Kind = Kind.TASK
+    sections: tuple[Section, ...] = ()
+    preemptive: bool = True
+    tail: int = 0
 
     def __post_init__(self) -> None:
         if self.period <= 0 or self.deadline <= 0:
             raise ValueError(f"{self.name}: a period and a deadline are positive")
-        if self.jitter < 0 or self.blocking < 0 or self.overhead < 0:
-            raise ValueError(f"{self.name}: jitter, blocking and overhead are not negative")
+        if self.jitter < 0 or self.blocking < 0 or self.overhead < 0 or self.tail < 0:
+            raise ValueError(f"{self.name}: jitter, blocking, overhead and the last section are not negative")
         for part in self.work:
             if part.period % self.period != 0:
                 raise ValueError(f"{self.name}: the period of {part.name} is not a multiple of the task's")

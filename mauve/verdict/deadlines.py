@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from mauve.diagnostics.diagnostic import Diagnostic, Fix, Label, Report, Severity
 from mauve.lower.placed import NodeTasks, PlacedTask
 from mauve.model.model import Deployment
-from mauve.timing.response import Analysis, Caveat, Reason, ResponseResult
+from mauve.timing.response import UNSOUND, Analysis, Reason, ResponseResult
 from mauve.timing.task import Kind
 from mauve.units import format_time
 
@@ -33,8 +33,7 @@ def report_node(deployment: Deployment, node: NodeTasks, analysis: Analysis, rep
             report.add(_unbounded(deployment, placed, result, severity))
         elif not result.schedulable:
             report.add(_missed(deployment, placed, analysis, result, severity))
-        unsound = [c for c in result.caveats if c in (Caveat.LATER_JOBS, Caveat.JITTER, Caveat.BLOCKING)]
-        for caveat in unsound:
+        for caveat in (c for c in result.caveats if c in UNSOUND):
             message = f"the response of `{placed.task.name}` by the paper's method may be too small: {caveat.value}"
             help_ = Fix("use `--method trace`, which covers this")
             report.add(Diagnostic("MV603", message, Label(placed.span), Severity.WARNING, help=help_))
@@ -132,7 +131,7 @@ def _own(line: BillLine) -> str:
     runs = [work.run[0] for work in line.work if work.run]
     words = []
     for transition in runs:
-        parts = ", ".join(dict.fromkeys(part.label for part in transition.parts if part.cost))
+        parts = ", ".join(dict.fromkeys(str(part) for part in transition.parts if part.cost))
         words.append(f"{transition.source} -> {transition.target}: {parts}" if parts else "")
     if line.overhead:
         words.append(f"{format_time(line.overhead)} context switches")

@@ -7,7 +7,6 @@ from written import BOARD, codes, model_of, tasks_of, times
 
 from mauve.diagnostics.diagnostic import Report
 from mauve.lower.activation import settle
-from mauve.lower.blocking import Section, blockers, longest
 from mauve.lower.codels import Source, choose_times, plan_codels
 from mauve.lower.placed import PlacedTask
 from mauve.lower.platform import flow_facts, timing_platform, wcet_board
@@ -81,9 +80,13 @@ connect high.note -> log.note
 external low.got, mid.got, high.got"""
 
 
+def _blocking(placed: PlacedTask) -> int:
+    return placed.blocker.length if placed.blocker else 0
+
+
 def test_a_section_of_a_less_urgent_task_blocks_once() -> None:
     found = _tasks(THREE)
-    assert {name: placed.task.blocking for name, placed in found.items()} == {
+    assert {name: _blocking(placed) for name, placed in found.items()} == {
         "low": 0,
         "mid": 300 * US,
         "high": 300 * US,
@@ -94,15 +97,7 @@ def test_a_section_of_a_less_urgent_task_blocks_once() -> None:
 
 def test_a_task_between_the_users_of_a_provider_is_blocked_too() -> None:
     found = _tasks(THREE.replace("connect mid.note -> log.note", "instance other: Log\nconnect mid.note -> other.note"))
-    assert found["mid"].task.blocking == 300 * US, "the ceiling of `log` is that of `high`"
-
-
-def test_blocking_by_its_definition() -> None:
-    short, long = Section("r", "a", "x", 2), Section("s", "a", "y", 5)
-    assert longest([short, changed(short, length=1), long]) == (short, long)
-    assert blockers([(1, (short, long)), (2, (long,)), (3, (short,))]) == [None, long, short]
-    assert blockers([(1, (short,)), (1, (short,))]) == [None, None], "equals interfere, they do not block"
-    assert blockers([(1, (short,)), (2, ())]) == [None, None]
+    assert _blocking(found["mid"]) == 300 * US, "the ceiling of `log` is that of `high`"
 
 
 def test_an_exchange_of_ports_costs_each_activation_and_blocks_who_shares_the_port() -> None:
@@ -116,7 +111,7 @@ external low.got"""
     found = _tasks(arch, "process p {\nexchange ports 400us\nexchange high.ports 100us\n}")
     assert found["low"].task.demand(1) == 1300 * US + 400 * US
     assert found["high"].task.demand(1) == 1300 * US + 100 * US
-    assert found["high"].task.blocking == 400 * US
+    assert _blocking(found["high"]) == 400 * US
     assert found["high"].blocker is not None and found["high"].blocker.what == "the exchange of `low.made`"
 
 
@@ -171,7 +166,7 @@ def test_a_lock_turns_the_race_into_blocking() -> None:
     report = Report()
     found = _tasks(WORKER, SPLIT % "lock immediate_ceiling", report)
     assert codes(report) == []
-    assert found["one"].task.blocking == 2 * MS and found["two"].task.blocking == 0
+    assert _blocking(found["one"]) == 2 * MS and _blocking(found["two"]) == 0
     assert found["one"].blocker is not None and found["one"].blocker.what == "`Worker.use`, which uses `w.shared`"
 
 
