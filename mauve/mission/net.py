@@ -79,7 +79,7 @@ class Net:
     """Names of places and transitions are unique; indices follow the order of declaration, which is canonical.
 
     `groups` names for each place the part of the mission it belongs to: a resource, an activity, the path of an
-    objective, or "" for the mission itself.
+    objective, or "" for the mission itself. No stable marking of a sound mission holds a place of `transient`.
     """
 
     name: str
@@ -89,6 +89,7 @@ class Net:
     events: tuple[Event, ...] = ()
     meanings: Meanings = Meanings()
     groups: tuple[str, ...] = ()
+    transient: tuple[int, ...] = ()
 
 
 def marking(places: tuple[int, ...]) -> int:
