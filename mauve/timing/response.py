@@ -17,7 +17,7 @@ sections of less urgent tasks cause, whichever is longer (`blocking.py`). Method
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from enum import Enum
 from itertools import chain, groupby
 from typing import TYPE_CHECKING
@@ -64,6 +64,7 @@ class Reason(Enum):
     FULL_LOAD = "the load is exactly 1 and the busy period neither ends nor is proven to repeat"
     LIMIT = "the busy period has more jobs than the analysis looks at"
     ARRIVALS = "nothing bounds how often it, or a task at least as urgent, is woken"
+    WAITS = "it, or a task at least as urgent, waits for operations of others for longer than it has time"
 
 
 class Caveat(Enum):
@@ -178,15 +179,15 @@ def analyse(tasks: Sequence[Task], method: Method = Method.TRACE, steps: int = S
                 others = above.copy()
                 for peer in peers:
                     if peer is not task:
-                        others.add(peer)
+                        others.add(peer.interferer)
             # More interference and no less blocking than the task above: w(1) is its w(1) plus own work at least.
             bound = warm[0] if task.blocking >= warm[1] else 0
             result, first = _respond(task, others, method, Budget(steps), bound, runs)
             found[task.name] = result
-        if len(peers) == 1 and peers[0].kind is Kind.TASK and first is not None:
+        if len(peers) == 1 and peers[0].kind is Kind.TASK and first is not None and peers[0].outside is None:
             warm = (first, peers[0].blocking)
         for peer in peers:
-            above.add(peer)
+            above.add(peer.interferer)
     results = [found[task.name] for task in seen if task.kind is Kind.TASK]
     if method is Method.PAPER:
         given = with_blocking(tasks)
@@ -198,14 +199,24 @@ def as_seen(tasks: Sequence[Task], method: Method) -> list[Task]:
     """The tasks as a method sees them."""
     match method:
         case Method.SPORADIC:
-            return [
-                changed(task, work=tuple(changed(p, curve=ConstantCurve(p.curve.total(1))) for p in task.work))
-                for task in with_blocking(tasks)
-            ]
+            return [_everywhere(task, _dearest) for task in with_blocking(tasks)]
         case Method.PAPER:
-            return [changed(task, jitter=0, blocking=0, sections=(), preemptive=True, tail=0) for task in tasks]
+            return [_everywhere(task, _plain) for task in tasks]
         case Method.TRACE | Method.EXACT:
             return with_blocking(tasks)
+
+
+def _everywhere(task: Task, change: Callable[[Task], Task]) -> Task:
+    """The task with a change made to it and to what it is to others."""
+    return changed(change(task), outside=None if task.outside is None else change(task.outside))
+
+
+def _dearest(task: Task) -> Task:
+    return changed(task, work=tuple(changed(p, curve=ConstantCurve(p.curve.total(1))) for p in task.work))
+
+
+def _plain(task: Task) -> Task:
+    return changed(task, jitter=0, blocking=0, sections=(), preemptive=True, tail=0)
 
 
 def interference_on(task: Task, tasks: Sequence[Task]) -> Interference:
@@ -213,7 +224,7 @@ def interference_on(task: Task, tasks: Sequence[Task]) -> Interference:
     others = Interference()
     for other in tasks:
         if other.priority >= task.priority and other.name != task.name:
-            others.add(other)
+            others.add(other.interferer)
     return others
 
 
@@ -250,6 +261,8 @@ def _respond(
         return _first_job(task, others, budget)
     level = load_compared_to_one(chain(others.tasks, (task,)), others.load + float_load(task))
     if level > 0:
+        if task.outside is not None and load_compared_to_one([*others.tasks, task.outside], 1.0) <= 0:
+            return ResponseResult(task.name, None, task.deadline, method, Reason.WAITS), None
         return _overload(task, others, method), None
     repeat = repetition([*others.tasks, task]) if level == 0 else None
     if level == 0 and repeat is None:
@@ -266,7 +279,7 @@ def _respond(
         return ResponseResult(task.name, None, task.deadline, method, reason), first
     lasting = [end - index * task.period for index, end in enumerate(finishes)]
     worst = lasting.index(max(lasting))
-    if method is Method.EXACT and not deferred:
+    if method is Method.EXACT and not deferred and task.outside is None:
         from mauve.timing.exact import refine
 
         refined = refine(task, others, max(lasting), runs)
@@ -334,7 +347,7 @@ def _with_paper_caveats(result: ResponseResult, tasks: Sequence[Task]) -> Respon
     caveats = list(result.caveats)
     if result.wcrt is None or result.wcrt > task.period:
         caveats.append(Caveat.LATER_JOBS)
-    if any(one.jitter > 0 for one in tasks if one.priority >= task.priority):
+    if any(max(one.jitter, one.interferer.jitter) > 0 for one in tasks if one.priority >= task.priority):
         caveats.append(Caveat.JITTER)
     if task.blocking > 0:
         caveats.append(Caveat.BLOCKING)

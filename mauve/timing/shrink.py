@@ -16,6 +16,7 @@ from mauve.timing.deferred import is_deferred
 from mauve.timing.level import Budget, finish
 from mauve.timing.psm import PsmTransition, map_costs
 from mauve.timing.response import STEPS, Analysis, Method, first_late, interference_on, meets_deadline
+from mauve.timing.suspension import CarryInCurve
 from mauve.timing.task import Task, Workload
 from mauve.timing.traces import ConstantCurve, Curve, FramesCurve, PsmCurve, TableCurve
 
@@ -167,7 +168,9 @@ def _candidates(tasks: Sequence[Task], missed: Task, miss: _Miss) -> list[_Candi
     found: list[_Candidate] = []
     for owner in sorted(tasks, key=lambda one: (one.name != missed.name, -one.priority, one.name)):
         for place, part in enumerate(owner.work):
-            if (now := part.curve.total(1)) > 0:
+            # What a task that suspends itself costs is not one number to cap: its codels are.
+            suspends = isinstance(part.curve, CarryInCurve) or owner.outside is not None
+            if not suspends and (now := part.curve.total(1)) > 0:
                 jobs = count(owner, part.period or owner.period)
                 touched = frozenset((owner.name,))
                 change = _cap_work(owner.name, place)

@@ -79,7 +79,9 @@ class Task:
     added to each job (context switches, see `on_platform`), not part of `work`; sections: where it holds resources
     (`blocking.py`). A task that is not `preemptive` runs its jobs to their end once they have started; one with a
     `tail` only the last part of each, of at most that length. Several workloads add up; they are never multiplied into
-    one machine. Raises ValueError on values that no task can have.
+    one machine. `outside` is what the task is to others, where that is not what it is to itself: one that suspends
+    itself counts its waits as work of its own, and delays others otherwise (`suspension.py`). Raises ValueError on
+    values that no task can have.
     """
 
     name: str
@@ -94,6 +96,7 @@ class Task:
     sections: tuple[Section, ...] = ()
     preemptive: bool = True
     tail: int = 0
+    outside: Task | None = None
 
     def __post_init__(self) -> None:
         if self.period <= 0 or self.deadline <= 0:
@@ -103,6 +106,11 @@ class Task:
         for part in self.work:
             if part.period % self.period != 0:
                 raise ValueError(f"{self.name}: the period of {part.name} is not a multiple of the task's")
+
+    @property
+    def interferer(self) -> Task:
+        """The task as those see it that it delays."""
+        return self if self.outside is None else self.outside
 
     def activations(self, part: Workload, jobs: int) -> int:
         """How often `part` of its work runs at most in so many consecutive jobs."""
