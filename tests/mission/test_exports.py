@@ -44,15 +44,15 @@ SENSOR = Net(
 )
 """A hardware resource as in figure 10 of the mission paper; one of its transitions stands there twice."""
 
-PRIORITIES = explore((
-    frozenset(SENSOR.places[at] for at in SENSOR.initial),
-    {
-        one.name: (
-            frozenset(SENSOR.places[at] for at in one.before), frozenset(SENSOR.places[at] for at in one.after), one.level
-        )
-        for one in SENSOR.transitions
-    },
-))  # fmt: skip
+
+def plain(net: Net) -> Read:
+    def names(places: tuple[int, ...]) -> frozenset[str]:
+        return frozenset(net.places[at] for at in places)
+
+    return names(net.initial), {one.name: (names(one.before), names(one.after), one.level) for one in net.transitions}
+
+
+PRIORITIES = explore(plain(SENSOR))
 
 
 def test_pnml_read_back_has_the_same_markings() -> None:

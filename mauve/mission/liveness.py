@@ -1,0 +1,35 @@
+"""Whether the mission can be stuck: a state, not final, in which nothing but the coming and going of hardware happens.
+
+That some event is always possible says nothing here: hardware can break and recover in success and failure, too. So a
+state is dead if it is not final, and no event of the mission itself is possible in it or after any recoveries.
+"""
+
+from __future__ import annotations
+
+from mauve.mission.formula import Verdict
+from mauve.mission.net import EventKind
+from mauve.mission.survey import RESOURCE_EVENTS, Survey, backward, sources_of, trace
+
+__all__ = ["check_live", "dead_states"]
+
+
+def dead_states(seen: Survey) -> tuple[int, ...]:
+    """The dead states, in the order of the graph: those nearest to the start come first."""
+    graph = seen.graph
+    moving = [event.kind not in RESOURCE_EVENTS for event in graph.net.events]
+    fine = [
+        state
+        for state in range(len(graph.markings))
+        if any(moving[event] for event in graph.events[graph.first[state] : graph.first[state + 1]])
+    ]
+    recovering, _ = sources_of(graph, lambda kind: kind is EventKind.RECOVERED)
+    alive = backward(recovering, [*fine, *seen.succeeded, *seen.failed])
+    return tuple(state for state in range(len(alive)) if not alive[state])
+
+
+def check_live(seen: Survey) -> Verdict:
+    """`live`: no state is dead. The witness is a shortest run to a dead one."""
+    dead = dead_states(seen)
+    if not dead:
+        return Verdict("live", True)
+    return Verdict("live", False, trace(seen, dead[0]), f"{len(dead)} states are neither final nor can they go on")
