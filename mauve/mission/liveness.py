@@ -16,14 +16,18 @@ __all__ = ["check_live", "dead_states"]
 def dead_states(seen: Survey) -> tuple[int, ...]:
     """The dead states, in the order of the graph: those nearest to the start come first."""
     graph = seen.graph
-    moving = [event.kind not in RESOURCE_EVENTS for event in graph.net.events]
-    fine = [
+    moving = {at for at, event in enumerate(graph.net.events) if event.kind not in RESOURCE_EVENTS}
+    first, events, final = graph.first, graph.events, seen.succeeded | seen.failed
+    still = [
         state
         for state in range(len(graph.markings))
-        if any(moving[event] for event in graph.events[graph.first[state] : graph.first[state + 1]])
+        if state not in final and moving.isdisjoint(events[first[state] : first[state + 1]])
     ]
+    if not still:
+        return ()
+    fine = set(range(len(graph.markings))).difference(still)
     recovering, _ = sources_of(graph, lambda kind: kind is EventKind.RECOVERED)
-    alive = backward(recovering, [*fine, *seen.succeeded, *seen.failed])
+    alive = backward(recovering, fine)
     return tuple(state for state in range(len(alive)) if not alive[state])
 
 

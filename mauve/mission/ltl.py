@@ -6,11 +6,15 @@ assumed: hardware may break and recover for ever while the mission waits, and an
 `eventually success` seldom holds, `failure unless ..` and `always ..` are what the logic is good for.
 
 The graph is multiplied with the automaton of the negated formula, breadth first and as far as is needed. A
-counterexample is a run to a state from which the automaton takes anything (then any continuation violates the formula),
+counterexample is a run to a state after which the automaton takes anything (any continuation violates the formula),
 or a run into a cycle in a strongly connected component that fulfils all of its promises (Tarjan, 1972).
 """
 
 from __future__ import annotations
+
+from array import array
+from functools import reduce
+from operator import or_
 
 from mauve.mission.buchi import Automaton, TooLarge, accepts_all, automaton, negated
 from mauve.mission.formula import Active, Failure, Formula, Ltl, OutOfService, Running, Success, Verdict
@@ -75,8 +79,9 @@ def counterexample(graph: AlternativesGraph, formula: Formula, budget: int = 4_0
 class _Product:
     """Pairs (state of the graph, state of the automaton), numbered breadth first.
 
-    steps: per pair (event or -1, what is fulfilled, next pair); parents: per pair (pair before, event).
-    end: the first pair from which every run is accepted.
+    steps: per pair (event or -1, what is fulfilled, next pair), where a cycle can be accepting. parents: per pair (pair
+    before, event).
+    end: the first pair such that every run through it is accepted.
     """
 
     pairs: list[tuple[int, int]]
@@ -87,31 +92,48 @@ class _Product:
 
 def _product(graph: AlternativesGraph, machine: Automaton, budget: int) -> _Product:
     letters = labels(graph, [_places(graph.net.meanings, atom) for atom in machine.atoms])
-    final = [accepts_all(machine, state) for state in range(len(machine.arrows))]
+    width = len(machine.arrows)
+    final = [accepts_all(machine, at) for at in range(width)]
+    hot = _hot(machine)
     pairs, parents, steps = [(graph.initial, 0)], [(-1, -1)], list[list[tuple[int, int, int]]]()
-    numbers = {pairs[0]: 0}
+    numbers = array("l", [-1]) * (len(letters) * width)
+    numbers[graph.initial * width] = 0
     spent = 0
     for number, (state, at) in enumerate(pairs):  # grows while it is read
-        if final[at]:
-            return _Product(pairs, steps, parents, number)
         letter = letters[state]
         successors = list(graph.successors(state)) or [(-1, state)]
         here: list[tuple[int, int, int]] = []
         for arrow in machine.arrows[at]:
-            if arrow.true & ~letter == 0 and arrow.false & letter == 0:
-                for event, target in successors:
-                    pair = (target, arrow.target)
-                    known = numbers.get(pair)
-                    if known is None:
-                        known = numbers[pair] = len(pairs)
-                        pairs.append(pair)
-                        parents.append((number, event))
+            if arrow.true & ~letter or arrow.false & letter:
+                continue
+            if final[arrow.target]:
+                return _Product(pairs, steps, parents, number)
+            inner = hot[at] and hot[arrow.target]
+            for event, target in successors:
+                code = target * width + arrow.target
+                known = numbers[code]
+                if known < 0:
+                    known = numbers[code] = len(pairs)
+                    pairs.append((target, arrow.target))
+                    parents.append((number, event))
+                if inner:
                     here.append((event, arrow.fulfils, known))
+            spent += len(successors)
         steps.append(here)
-        spent += len(here)
         if spent > budget:
             raise TooLarge(f"the product of graph and automaton has more than {budget} steps")
     return _Product(pairs, steps, parents, None)
+
+
+def _hot(machine: Automaton) -> list[bool]:
+    """The states of the automaton that lie in a component with an accepting cycle: only there cycles are looked for."""
+    steps = [[(0, arrow.fulfils, arrow.target) for arrow in arrows] for arrows in machine.arrows]
+    hot = [False] * len(steps)
+    for members in _components(steps):
+        if _fulfilled(steps, set(members)) == machine.acceptance:
+            for state in members:
+                hot[state] = True
+    return hot
 
 
 def _places(meanings: Meanings, atom: Formula) -> list[int]:
@@ -140,23 +162,22 @@ def _within(path: str, objective: str) -> bool:
 def _accepting_component(product: _Product, acceptance: int) -> set[int]:
     """Of the strongly connected components whose steps fulfil everything, the one entered first; empty if none does."""
     best: set[int] = set()
-    for component in _components(product):
+    for component in _components(product.steps):
         members = set(component)
-        fulfilled = 0
-        inner = False
-        for pair in component:
-            for _, fulfils, target in product.steps[pair]:
-                if target in members:
-                    inner = True
-                    fulfilled |= fulfils
-        if inner and fulfilled == acceptance and (not best or min(members) < min(best)):
+        if _fulfilled(product.steps, members) == acceptance and (not best or min(members) < min(best)):
             best = members
     return best
 
 
-def _components(product: _Product) -> list[list[int]]:
+def _fulfilled(steps: list[list[tuple[int, int, int]]], members: set[int]) -> int:
+    """All that the steps inside a component fulfil; -1 where there are no such steps."""
+    inside = [fulfils for member in members for _, fulfils, target in steps[member] if target in members]
+    return reduce(or_, inside) if inside else -1
+
+
+def _components(steps: list[list[tuple[int, int, int]]]) -> list[list[int]]:
     """The strongly connected components, by Tarjan's algorithm without recursion."""
-    count = len(product.steps)
+    count = len(steps)
     index, low, stacked = [-1] * count, [0] * count, bytearray(count)
     stack: list[int] = []
     found: list[list[int]] = []
@@ -164,7 +185,7 @@ def _components(product: _Product) -> list[list[int]]:
     for root in range(count):
         if index[root] >= 0:
             continue
-        path = [(root, iter(product.steps[root]))]
+        path = [(root, iter(steps[root]))]
         index[root] = low[root] = clock
         clock += 1
         stack.append(root)
@@ -177,7 +198,7 @@ def _components(product: _Product) -> list[list[int]]:
                     clock += 1
                     stack.append(target)
                     stacked[target] = 1
-                    path.append((target, iter(product.steps[target])))
+                    path.append((target, iter(steps[target])))
                     break
                 if stacked[target] and index[target] < low[pair]:
                     low[pair] = index[target]

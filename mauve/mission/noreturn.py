@@ -23,25 +23,30 @@ class NoReturn:
 class LostSuccess:
     """states: all from which no events at all, recoveries included, lead to success, and that are not yet failure.
 
-    points: those of them that are entered from a state with hope, shortest runs first.
+    points: those that are entered from a state with hope, shortest runs first; `entries` is how many there are, where
+    not all are told.
     """
 
     states: tuple[int, ...]
     points: tuple[NoReturn, ...]
+    entries: int
 
 
-def lost_success(seen: Survey) -> LostSuccess:
-    """All states where success is lost but not yet failure, and how it gets lost."""
+def lost_success(seen: Survey, limit: int = 100) -> LostSuccess:
+    """All states where success is lost but not yet failure, and the `limit` shortest ways to lose it."""
     hopeful = backward(seen.sources, seen.succeeded)
     states = tuple(state for state in range(len(hopeful)) if not hopeful[state] and state not in seen.failed)
-    points = [NoReturn(0, ())] if not hopeful[seen.graph.initial] else []
-    for state in states:
-        # States are numbered breadth first: the first hopeful source has a shortest run to it, through hope only.
-        before = next((source for source in seen.sources[state] if hopeful[source]), None)
-        if before is not None:
-            edge = _edge(seen, before, state)
-            points.append(NoReturn(state, (*trace(seen, before), edge)))
-    return LostSuccess(states, tuple(sorted(points, key=lambda one: (len(one.events), one.state))))
+    if not hopeful[seen.graph.initial]:
+        return LostSuccess(states, (NoReturn(seen.graph.initial, ()),), 1)
+    # States are numbered breadth first: of the hopeful sources of one, the first has a shortest run, through hope only.
+    entered = [
+        (before, state)
+        for state in states
+        if (before := next((source for source in seen.sources[state] if hopeful[source]), -1)) >= 0
+    ]
+    near = sorted(entered)[:limit]
+    points = [NoReturn(state, (*trace(seen, before), _edge(seen, before, state))) for before, state in near]
+    return LostSuccess(states, tuple(points), len(entered))
 
 
 def _edge(seen: Survey, source: int, target: int) -> str:
