@@ -41,7 +41,7 @@ def deferred_finishes(
         return JobsOutcome((), False, None, 0)
     handlers = _only(others, interrupts=True)
     section = section_of(task)
-    count = -(-(busy + task.jitter) // task.period) if busy is not None else 0
+    count = max(1, -(-(busy + task.jitter) // task.period)) if busy is not None else 0
     jobs = repeat // task.period if repeat else 0
     settled = settled_from(task, others) if repeat else None
     finishes: list[int] = []

@@ -96,6 +96,8 @@ class Charge:
 class ResponseResult:
     """The response of one task: `wcrt` from the nominal arrival, or None and the `reason`.
 
+    `from_release` is the greatest response from the release, which is later by up to the jitter: job q of a busy period
+    that begins with a release at its greatest jitter J is not released before max(0, (q-1) T - J).
     `worst_job` is the q that attains it and `finish` its w(q); `section` the part at its end that is not preempted (0
     for a preemptive task); `busy_period` is L_i (None where unknown or without end); `responsible` the tasks of an
     overload, the greatest load first; `method` the one that was really used.
@@ -113,6 +115,7 @@ class ResponseResult:
     responsible: tuple[str, ...] = ()
     charges: tuple[Charge, ...] = ()
     section: int = 0
+    from_release: int | None = None
 
     @property
     def schedulable(self) -> bool:
@@ -295,17 +298,31 @@ def _respond(
         busy_period=jobs.busy,
         caveats=_estimated(task, others, finishes[-1], len(finishes)),
         section=section_of(task) if deferred else 0,
+        from_release=_from_release(task, finishes),
     )
     if method is Method.EXACT:
         result = changed(result, caveats=(*result.caveats, Caveat.FELL_BACK))
     return result, first
 
 
+def _from_release(task: Task, finishes: Sequence[int]) -> int:
+    period, jitter = task.period, task.jitter
+    return max([end - max(0, index * period - jitter) for index, end in enumerate(finishes)])
+
+
 def _refined(task: Task, found: Refinement, busy: int | None) -> ResponseResult:
-    caveats = () if found.complete else (Caveat.GAVE_UP,)
-    charges = tuple(Charge(*charge) for charge in found.charges)
+    end = found.finish
     return ResponseResult(
-        task.name, found.finish, task.deadline, Method.EXACT, None, 1, found.finish, busy, caveats, charges=charges
+        task=task.name,
+        wcrt=end,
+        deadline=task.deadline,
+        method=Method.EXACT,
+        worst_job=1,
+        finish=end,
+        busy_period=busy,
+        caveats=() if found.complete else (Caveat.GAVE_UP,),
+        charges=tuple(Charge(*charge) for charge in found.charges),
+        from_release=end,
     )
 
 
@@ -320,7 +337,8 @@ def _first_job(
     if end is None:
         return ResponseResult(task.name, None, task.deadline, Method.PAPER, Reason.LIMIT), None
     caveats = _estimated(task, others, end, 1)
-    return ResponseResult(task.name, end, task.deadline, Method.PAPER, None, 1, end, caveats=caveats), end
+    result = ResponseResult(task.name, end, task.deadline, Method.PAPER, None, 1, end, caveats=caveats)
+    return changed(result, from_release=end), end
 
 
 def _overload(task: Task, others: Interference, method: Method) -> ResponseResult:

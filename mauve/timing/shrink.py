@@ -132,15 +132,15 @@ def _miss(task: Task, tasks: Sequence[Task], method: Method, steps: int) -> _Mis
     if method is not Method.PAPER:
         late = first_late(task, others, Budget(steps))
     window = task.deadline + (late - 1) * task.period - task.jitter
-    moments = _moments(others.tasks, window)
-    if late == 0 or window <= 0 or moments is None or (is_deferred(task) and method is not Method.PAPER):
+    released = moments(others.tasks, window)
+    if late == 0 or window <= 0 or released is None or (is_deferred(task) and method is not Method.PAPER):
         return _Miss(max(1, late), max(0, window), 0)
     base = task.blocking + task.demand(late)
     # Between releases the excess only falls, so its least values are where one is just due, and at the end.
-    return _Miss(late, window, min(base + others.demand(at) - at for at in {window, *moments}))
+    return _Miss(late, window, min(base + others.demand(at) - at for at in {window, *released}))
 
 
-def _moments(tasks: Sequence[Task], window: int) -> list[int] | None:
+def moments(tasks: Sequence[Task], window: int) -> list[int] | None:
     """The releases within the window; None for too many."""
     series = [(part.period or one.period, one.jitter) for one in tasks for part in one.work]
     series += [(one.period, one.jitter) for one in tasks if one.overhead]
@@ -269,7 +269,7 @@ def _cap_codel(label: str) -> Callable[[Task, int], Task]:
 
     def workload(part: Workload, cost: int) -> Workload:
         curve = part.curve
-        if not isinstance(curve, PsmCurve) or not _uses(curve, label):
+        if not isinstance(curve, PsmCurve) or not uses_label(curve, label):
             return part
         return changed(part, curve=PsmCurve(map_costs(curve.psm, lambda one: transition(one, cost))))
 
@@ -280,7 +280,8 @@ def _cap_codel(label: str) -> Callable[[Task, int], Task]:
     return change
 
 
-def _uses(curve: PsmCurve, label: str) -> bool:
+def uses_label(curve: PsmCurve, label: str) -> bool:
+    """Whether a transition of the machine has a part of this label."""
     return any(
         part.label == label
         for transition in curve.psm.transitions

@@ -147,15 +147,6 @@ def trace_length(task: Task, tasks: Sequence[Task]) -> int:
     return -(-max(other.deadline for other in tasks) // task.period)
 
 
-def rate_monotonic(periods: Sequence[int]) -> tuple[int, ...]:
-    """Distinct priorities n .. 1 (MAUVE paper, IV.D): the shorter period is more urgent, ties by declaration order."""
-    order = sorted(range(len(periods)), key=lambda index: (periods[index], index))
-    priorities = [0] * len(periods)
-    for place, index in enumerate(order):
-        priorities[index] = len(periods) - place
-    return tuple(priorities)
-
-
 @record
 class Interrupt:
     """An interrupt handler or system tick: at most one arrival per `period`, `cost` each with entry and exit."""

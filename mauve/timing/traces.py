@@ -212,6 +212,48 @@ class PsmCurve(Curve):
         return jobs > self._cap and self.repeat() is None
 
 
+class AffineCurve(Curve):
+    """Another curve with every cost multiplied and every job dearer: E(n) = times x base(n) + n x more."""
+
+    __slots__ = ("base", "more", "times")
+
+    def __init__(self, base: Curve, times: int = 1, more: int = 0) -> None:
+        self.base, self.times, self.more = base, times, more
+
+    def __repr__(self) -> str:
+        return f"AffineCurve({self.base!r}, {self.times}, {self.more})"
+
+    def total(self, jobs: int) -> int:
+        """E(jobs)."""
+        return self.times * self.base.total(jobs) + jobs * self.more
+
+    @property
+    def mean(self) -> Fraction:
+        """The mean of the base, multiplied, and what each job adds."""
+        return self.times * self.base.mean + self.more
+
+    @property
+    def floor(self) -> Fraction:
+        """The floor of the base, multiplied, and what each job adds."""
+        return self.times * self.base.floor + self.more
+
+    def repeat(self) -> Repeat | None:
+        """It repeats when its base does."""
+        law = self.base.repeat()
+        return None if law is None else Repeat(law.start, law.jobs, self.times * law.cost + law.jobs * self.more)
+
+    def estimated(self, jobs: int) -> bool:
+        """Where the base is."""
+        return self.base.estimated(jobs)
+
+
+def altered(curve: Curve, times: int = 1, more: int = 0) -> Curve:
+    """The curve with every cost multiplied by `times` and every job dearer by `more`."""
+    if isinstance(curve, ConstantCurve):
+        return ConstantCurve(times * curve.cost + more)
+    return AffineCurve(curve, times, more)
+
+
 def workload_curve(psm: Psm, length: int) -> tuple[int, ...]:
     """E(0) .. E(length), exact: the greatest total cost of so many consecutive transitions from any reachable state."""
     curve = PsmCurve(psm)

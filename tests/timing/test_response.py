@@ -12,6 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from mauve.records import field_names
+from mauve.timing.priorities import rate_monotonic
 from mauve.timing.response import Caveat, Method, Reason, analyse, interference_on
 from mauve.timing.task import (
     Interrupt,
@@ -23,7 +24,6 @@ from mauve.timing.task import (
     frames,
     machine,
     on_platform,
-    rate_monotonic,
     table,
     total_load,
     trace_length,
