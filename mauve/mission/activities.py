@@ -148,20 +148,17 @@ def _alternative(draft: Draft, shape: _Shape, index: int) -> None:
     for j, (resource, access) in enumerate(zip(consumed, accesses, strict=True)):
         after = (good[j + 1],) if j + 1 < len(good) else running
         draft.fire(f"{name}.ok({resource})", R, (good[j], access.answer), after)
-        refused_before = any(not one.answers_always for one in accesses[:j])
-        refusable = refused_before or not access.answers_always
+        refusable = access.refused is not None or bad[j] is not None
         if refusable and j + 1 < len(good):
             bad[j + 1] = draft.place(name, f"bad{j + 2}", transient=True)
-        target = bad[j + 1]
-        assert target is not None or not refusable
-        if not access.answers_always and access.error is not None and target is not None:
+        source, target = bad[j], bad[j + 1]
+        if target is not None and access.refused is not None:
             back = (one.release for one in accesses[:j])
-            draft.fire(f"{name}.refused({resource})", R, (good[j], access.error), (target, *back))
-        source = bad[j]
+            draft.fire(f"{name}.refused({resource})", R, (good[j], access.refused), (target, *back))
         if source is not None and target is not None:
             draft.fire(f"{name}.return({resource})", R, (source, access.answer), (target, access.release))
-            if not access.answers_always and access.error is not None:
-                draft.fire(f"{name}.refused2({resource})", R, (source, access.error), (target,))
+            if access.refused is not None:
+                draft.fire(f"{name}.refused2({resource})", R, (source, access.refused), (target,))
         if access.error is not None:
             rest = (one.release for one in accesses if one is not access)
             gone = (shape.runs[index], access.error)

@@ -68,7 +68,7 @@ class Rule:
 
 @record
 class AlternativesGraph:
-    """Stable states by index, in breadth-first order of discovery, events in the order of `net.events`; 0 is initial.
+    """Stable states by index, in breadth-first order of discovery; 0 is initial.
 
     markings: that of each state. The edges of state s are those at `first[s]` to `first[s + 1] - 1` in `events` (an
     index into `net.events`), `targets` (a state) and `rules_used` (an index into `rules`).
@@ -131,7 +131,8 @@ class Confluence:
 
     complete: all orders of all cascades were followed; else each was run in `orders` random orders as well as the
     canonical one. markings: those visited inside cascades. unsafe: places that a transition would have filled twice.
-    stuck: stable states in which an activity still waits for an answer, as indices.
+    stuck: stable states in which an activity still waits for an answer, as indices. endless: events after which some
+    order of transitions never ends.
     """
 
     complete: bool
@@ -141,6 +142,12 @@ class Confluence:
     divergences: tuple[Fired, ...]
     unsafe: tuple[str, ...]
     stuck: tuple[int, ...]
+    endless: tuple[str, ...] = ()
+
+    @property
+    def holds(self) -> bool:
+        """Whether nothing speaks against it; a proof where `complete`."""
+        return not (self.divergences or self.unsafe or self.stuck or self.endless)
 
 
 @record

@@ -1,7 +1,8 @@
 """Templates of resources (mission paper, section 6.1), with the places that the paper's figures leave to the reader.
 
-Every resource has the paper's interface: `available` (it may be requested), `take`, `answer`, `release`, `error`. An
-error tells the consumer that what it holds is gone, or that its request is refused.
+Every resource has the paper's interface: `available` (it may be requested), `take`, `answer`, `release`, and `error`:
+what the consumer holds is gone. A software resource has `refused` as well, which answers a request in vain: a consumer
+that still collects answers could else not tell what it never had from what it has lost since.
 """
 
 from __future__ import annotations
@@ -26,7 +27,7 @@ class Demand:
 class Access:
     """The interface of a resource for one consumer; `refusals` are read to know that a request would be in vain.
 
-    `error` is None where the resource cannot be lost; `answers_always` where a request is never refused.
+    `error` is None where the resource cannot be lost, `refused` where a request is never refused.
     """
 
     available: int
@@ -34,8 +35,8 @@ class Access:
     answer: int
     release: int
     error: int | None
+    refused: int | None
     refusals: tuple[int, ...]
-    answers_always: bool
 
 
 @record
@@ -105,7 +106,7 @@ def hardware(
         if crossing:
             _crossing(draft, f"{name}.cross", release, error)
     refusals = ((out,) if resource.may_fail else ()) + ((busy,) if contended else ())
-    return Access(available, take, answer, release, error, refusals, answers_always=True)
+    return Access(available, take, answer, release, error, None, refusals)
 
 
 def exclusive(draft: Draft, resource: Software, contended: bool) -> tuple[Product, Access]:
@@ -119,6 +120,7 @@ def exclusive(draft: Draft, resource: Software, contended: bool) -> tuple[Produc
     ack = draft.place(name, "ack", transient=True)
     demand = Demand(draft.place(name, "asked"), draft.place(name, "unasked", marked=True))
     available, take, answer, release, error = _access(draft, name)
+    refused = draft.place(name, "refused", transient=True)
     assert error is not None
     draft.fire(f"{name}.take_start", R, (take, off, demand.unasked), (waiting, demand.asked))
     draft.fire(f"{name}.take_free", R, (take, free, demand.unasked), (answer, busy, demand.asked))
@@ -126,15 +128,15 @@ def exclusive(draft: Draft, resource: Software, contended: bool) -> tuple[Produc
     draft.fire(f"{name}.act_off", R, (activation, off), (free,))
     draft.fire(f"{name}.act_free", R, (activation,), (), reads=(free,))
     draft.fire(f"{name}.act_busy", R, (activation,), (), reads=(busy,))
-    gone = (off, available, error, demand.unasked)
-    draft.fire(f"{name}.deact_wait", R, (deactivation, waiting, demand.asked), (*gone, ack))
-    draft.fire(f"{name}.deact_busy", R, (deactivation, busy, demand.asked), (*gone, ack))
+    quiet = (off, available, demand.unasked)
+    draft.fire(f"{name}.deact_wait", R, (deactivation, waiting, demand.asked), (*quiet, refused, ack))
+    draft.fire(f"{name}.deact_busy", R, (deactivation, busy, demand.asked), (*quiet, error, ack))
     draft.fire(f"{name}.deact_free", R, (deactivation, free), (off, ack))
     draft.fire(f"{name}.deact_off", R, (deactivation,), (ack,), reads=(off,))
     draft.fire(f"{name}.release!", R, (release, busy, demand.asked), (free, available, demand.unasked))
     _crossing(draft, f"{name}.cross", release, error)
-    refusal = Refusal((waiting, demand.asked), gone)
-    access = Access(available, take, answer, release, error, (busy,) if contended else (), answers_always=False)
+    refusal = Refusal((waiting, demand.asked), (*quiet, refused))
+    access = Access(available, take, answer, release, error, refused, (busy,) if contended else ())
     return Product(activation, deactivation, ack, (demand,), (refusal,)), access
 
 
@@ -162,18 +164,19 @@ def shared(draft: Draft, resource: Software, consumers: tuple[str, ...]) -> tupl
         busy = draft.place(name, f"busy{suffix}")
         demand = Demand(draft.place(name, f"asked{suffix}"), draft.place(name, f"unasked{suffix}", marked=True))
         available, take, answer, release, error = _access(draft, name, suffix)
+        refused = draft.place(name, f"refused{suffix}", transient=True)
         assert error is not None
         here, onward = telling[index], telling[index + 1]
-        gone = (available, error, demand.unasked)
+        quiet = (available, demand.unasked)
         draft.fire(f"{name}.take_off{suffix}", R, (take, demand.unasked), (waiting, demand.asked), reads=(off,))
         draft.fire(f"{name}.take_on{suffix}", R, (take, demand.unasked), (answer, busy, demand.asked), reads=(on,))
         draft.fire(f"{name}.wake{suffix}", R, (waiting,), (answer, busy), reads=(on,))
         draft.fire(f"{name}.release!{suffix}", R, (release, busy, demand.asked), (available, demand.unasked))
-        draft.fire(f"{name}.tell_wait{suffix}", R, (here, waiting, demand.asked), (*gone, onward))
-        draft.fire(f"{name}.tell_busy{suffix}", R, (here, busy, demand.asked), (*gone, onward))
+        draft.fire(f"{name}.tell_wait{suffix}", R, (here, waiting, demand.asked), (*quiet, refused, onward))
+        draft.fire(f"{name}.tell_busy{suffix}", R, (here, busy, demand.asked), (*quiet, error, onward))
         draft.fire(f"{name}.tell_none{suffix}", R, (here,), (onward,), reads=(demand.unasked,))
         _crossing(draft, f"{name}.cross{suffix}", release, error)
         demands.append(demand)
-        refusals.append(Refusal((waiting, demand.asked), gone))
-        accesses[consumer] = Access(available, take, answer, release, error, (), answers_always=False)
+        refusals.append(Refusal((waiting, demand.asked), (*quiet, refused)))
+        accesses[consumer] = Access(available, take, answer, release, error, refused, ())
     return Product(activation, deactivation, ack, tuple(demands), tuple(refusals)), accesses

@@ -32,34 +32,79 @@ class EndlessCascade(Exception):
 
 @record
 class Masks:
-    """A net for firing: per transition the places it needs, takes and fills as bits; per place who may wait for it.
+    """A net for firing: per transition the places it needs, takes and fills as bits, and its level.
 
-    by_level[place][level] has a bit for each transition of that level that needs the place.
+    Most transitions above the events need a place that only a cascade marks: the first such place of each arms it
+    (arms[place] has a bit for each), and unarmed it need not be looked at. steady: those without such a place;
+    by_level: those of each level. Per transition: `wakes` are those that need what it fills, armed and disarmed those
+    that it arms and disarms.
     """
 
     before: tuple[int, ...]
     taken: tuple[int, ...]
     filled: tuple[int, ...]
     levels: tuple[int, ...]
-    by_level: tuple[tuple[tuple[int, int], ...], ...]
+    arms: tuple[int, ...]
+    transient: int
+    steady: int
+    by_level: tuple[int, ...]
+    wakes: tuple[int, ...]
+    armed: tuple[int, ...]
+    disarmed: tuple[int, ...]
 
 
 def masks(net: Net) -> Masks:
     """The masks of a net."""
     before = tuple(marking(one.before) for one in net.transitions)
     after = tuple(marking(one.after) for one in net.transitions)
-    waiting: list[dict[int, int]] = [{} for _ in net.places]
+    passing = frozenset(net.transient)
+    waiting, arms, by_level = [0] * len(net.places), [0] * len(net.places), [0] * len(Level)
+    steady = 0
     for index, one in enumerate(net.transitions):
-        if one.level is not Level.EVENT:
-            for place in set(one.before):
-                waiting[place][one.level] = waiting[place].get(one.level, 0) | 1 << index
+        by_level[one.level] |= 1 << index
+        if one.level is Level.EVENT:
+            continue
+        for place in set(one.before):
+            waiting[place] |= 1 << index
+        arming = next((place for place in one.before if place in passing), None)
+        if arming is None:
+            steady |= 1 << index
+        else:
+            arms[arming] |= 1 << index
+    taken = tuple(x & ~y for x, y in zip(before, after, strict=True))
+    filled = tuple(y & ~x for x, y in zip(before, after, strict=True))
     return Masks(
         before,
-        tuple(x & ~y for x, y in zip(before, after, strict=True)),
-        tuple(y & ~x for x, y in zip(before, after, strict=True)),
+        taken,
+        filled,
         tuple(int(one.level) for one in net.transitions),
-        tuple(tuple(sorted(one.items())) for one in waiting),
+        tuple(arms),
+        marking(net.transient),
+        steady,
+        tuple(by_level),
+        _united(filled, waiting),
+        _united(filled, arms),
+        _united(taken, arms),
     )
+
+
+def _united(changes: tuple[int, ...], by_place: list[int]) -> tuple[int, ...]:
+    """For each of these sets of places, all that its places have."""
+    found = []
+    for change in changes:
+        united = 0
+        for place in bits(change):
+            united |= by_place[place]
+        found.append(united)
+    return tuple(found)
+
+
+def armed(table: Masks, state: int) -> int:
+    """The transitions above the events that are not ruled out by the transient places of a marking."""
+    found = table.steady
+    for place in bits(state & table.transient):
+        found |= table.arms[place]
+    return found
 
 
 def bits(mask: int) -> Iterator[int]:
@@ -88,45 +133,45 @@ def cascade(table: Masks, state: int, event: int) -> Cascade:
 
     Raises Unsafe and EndlessCascade.
     """
-    before, taken, filled, by_level = table.before, table.taken, table.filled, table.by_level
+    before, taken, filled = table.before, table.taken, table.filled
+    inner = table.by_level[:0:-1]
     now = state
-    written = tested = spared = 0
-    ready = [0] * (len(Level) + 1)
+    written = spared = 0
+    ready = 0
+    live = armed(table, state)
     fired = []
     chosen = event
     tested = before[event]
-    while True:
-        if now & filled[chosen]:
+    while chosen >= 0:
+        gone, new = taken[chosen], filled[chosen]
+        if now & new:
             raise Unsafe(chosen)
-        spared |= filled[chosen] & ~written
-        now = now & ~taken[chosen] | filled[chosen]
-        written |= taken[chosen] | filled[chosen]
+        spared |= new & ~written
+        now = now ^ gone | new
+        written |= gone | new
         fired.append(chosen)
         if len(fired) > LONGEST:
             raise EndlessCascade(chosen)
-        new = filled[chosen]
-        while new:
-            low = new & -new
-            new ^= low
-            for level, waiting in by_level[low.bit_length() - 1]:
-                ready[level] |= waiting
-        level = len(ready) - 1
-        while level:
-            candidates = ready[level]
-            if not candidates:
-                level -= 1
-                continue
-            low = candidates & -candidates
-            chosen = low.bit_length() - 1
-            missing = before[chosen] & ~now
-            if not missing:
-                tested |= before[chosen] & ~written
+        live = live & ~table.disarmed[chosen] | table.armed[chosen]
+        ready = (ready | table.wakes[chosen]) & live
+        chosen = -1
+        for of_level in inner:
+            here = ready & of_level
+            while here:
+                low = here & -here
+                index = low.bit_length() - 1
+                missing = before[index] & ~now
+                if not missing:
+                    tested |= before[index] & ~written
+                    chosen = index
+                    break
+                here ^= low
+                ready ^= low
+                if not missing & (written | tested):
+                    tested |= missing & -missing
+            if chosen >= 0:
                 break
-            ready[level] = candidates ^ low
-            if not missing & (written | tested):
-                tested |= missing & -missing
-        if not level:
-            return Cascade(now, tested, spared, tuple(fired))
+    return Cascade(now, tested, spared | table.transient, tuple(fired))
 
 
 class Controller:
@@ -138,12 +183,11 @@ class Controller:
         self.number = {event.name: index for index, event in enumerate(net.events)}
         self.rules: list[Rule] = []
         self.known: dict[tuple[int, int, int, int, int], int] = {}
-        ordered = sorted(
-            (self.number[one.event], index)
-            for index, one in enumerate(net.transitions)
-            if one.level is Level.EVENT and one.event
-        )
-        self.starts = [(event, index, self.table.before[index]) for event, index in ordered]
+        self.starts: dict[int, list[tuple[int, int, int]]] = {}
+        for index, one in enumerate(net.transitions):
+            if one.level is Level.EVENT and one.event:
+                row = (self.number[one.event], index, self.table.before[index])
+                self.starts.setdefault(1 << one.before[0], []).append(row)
         self.memo: list[dict[int, dict[int, tuple[int, int, int]]]] = [{} for _ in net.transitions]
 
     def learn(self, event: int, start: int, state: int) -> tuple[int, int, int]:
@@ -178,27 +222,32 @@ def alternatives_graph(net: Net, budget: int = BUDGET) -> AlternativesGraph | Bu
     states = [first_marking]
     first, events, targets, used = array("Q", [0]), array("H"), array("I"), array("I")
     add_event, add_target, add_rule = events.append, targets.append, used.append
+    triggers = sum(starts)
     for state in states:
-        for event, start, needed in starts:
-            if state & needed != needed:
-                continue
-            for mask, by_value in memo[start].items():
-                step = by_value.get(state & mask)
-                if step is not None:
-                    break
-            else:
-                step = controller.learn(event, start, state)
-            kept, filled, rule = step
-            after = state & kept | filled
-            target = index.get(after)
-            if target is None:
-                target = index[after] = len(states)
-                if target >= budget:
-                    return BudgetExceeded(budget, multipliers(net, states))
-                states.append(after)
-            add_event(event)
-            add_target(target)
-            add_rule(rule)
+        present = state & triggers
+        while present:
+            low = present & -present
+            present ^= low
+            for event, start, needed in starts[low]:
+                if state & needed != needed:
+                    continue
+                for mask, by_value in memo[start].items():
+                    step = by_value.get(state & mask)
+                    if step is not None:
+                        break
+                else:
+                    step = controller.learn(event, start, state)
+                kept, filled, rule = step
+                after = state & kept | filled
+                target = index.get(after)
+                if target is None:
+                    target = index[after] = len(states)
+                    if target >= budget:
+                        return BudgetExceeded(budget, multipliers(net, states))
+                    states.append(after)
+                add_event(event)
+                add_target(target)
+                add_rule(rule)
         first.append(len(events))
     return AlternativesGraph(net, tuple(states), first, events, targets, used, tuple(controller.rules))
 

@@ -16,6 +16,7 @@ from mauve.mission.net import Event, EventKind, Level, Net
 from mauve.mission.objectives import mission_template
 from mauve.mission.plan import Hardware, Mission, OnRecovery
 from mauve.mission.resources import Access, Product, exclusive, hardware, shared
+from mauve.records import changed
 
 
 def build_net(mission: Mission) -> Net:
@@ -71,7 +72,9 @@ def hardware_alone(resource: Hardware) -> Net:
     draft.fire(f"{name}.RELEASE", Level.EVENT, (access.answer,), (access.release,), event=release)
     if access.error is not None:
         draft.fire(f"{name}.ERROROK", Level.RESOURCE, (access.answer, access.error), ())
-    return draft.net()
+    net = draft.net()
+    around = sorted(net.transitions, key=lambda one: 0 if one.event in (take.name, release.name) else 1)
+    return changed(net, transitions=tuple(around))
 
 
 def _upgrading(wiring: Wiring, resource: Hardware) -> tuple[str, ...]:

@@ -1,0 +1,226 @@
+"""Whether each event leads to one stable state, whatever the order of what follows it: followed, not claimed.
+
+All orders of the transitions of a cascade are followed. What they do depends only on the places they look at, so that
+cascades which look the same to all their orders are followed once, as in `stable`. Where the markings inside cascades
+go beyond a budget, each further cascade runs in a few random orders instead.
+"""
+
+from __future__ import annotations
+
+from random import Random
+
+from mauve.mission.graph import AlternativesGraph, Confluence, Fired, Rule, view
+from mauve.mission.net import Level
+from mauve.mission.stable import LONGEST, EndlessCascade, Masks, armed, bits, masks
+from mauve.records import record
+
+BUDGET = 1_000_000
+"""Markings inside cascades, where nobody says otherwise."""
+
+ORDERS = 3
+"""Random orders of each cascade beyond the budget."""
+
+SHOWN = 20
+"""Divergences that are kept; one mistake in a mission makes many."""
+
+
+@record
+class _Spread:
+    """All that a cascade can do: its ends with one order for each; the places that decided; the markings seen."""
+
+    ends: dict[int, tuple[int, ...]]
+    depends: int
+    markings: int
+    unsafe: int
+    endless: bool
+
+
+class OverBudget(Exception):
+    """A cascade has more orders than may be followed."""
+
+
+def confluence(graph: AlternativesGraph, budget: int = BUDGET, orders: int = ORDERS, seed: int = 1) -> Confluence:
+    """Follows all orders of all cascades of a graph, up to `budget` transient markings; then `orders` random ones."""
+    net = graph.net
+    table = masks(net)
+    number = {event.name: index for index, event in enumerate(net.events)}
+    starts: list[list[int]] = [[] for _ in net.events]
+    for index, one in enumerate(net.transitions):
+        if one.level is Level.EVENT and one.event:
+            starts[number[one.event]].append(index)
+    memo: list[dict[int, set[int]]] = [{} for _ in net.events]
+    spent = cascades = unsafe = 0
+    complete = True
+    endless: set[str] = set()
+    divergences: list[Fired] = []
+    random = Random(seed)
+    for state, marking in enumerate(graph.markings):
+        for event in graph.events[graph.first[state] : graph.first[state + 1]]:
+            known = memo[event]
+            if any(marking & mask in values for mask, values in known.items()):
+                continue
+            cascades += 1
+            try:
+                spread = _all_orders(table, marking, starts[event], budget - spent)
+            except OverBudget:
+                complete = False
+                spread = _random_orders(table, marking, starts[event], orders, random)
+            spent += spread.markings
+            unsafe |= spread.unsafe
+            endless |= {net.events[event].name} if spread.endless else set()
+            known.setdefault(spread.depends, set()).add(marking & spread.depends)
+            if len(spread.ends) > 1 and len(divergences) < SHOWN:
+                divergences.append(_fired(graph, state, event, spread))
+    return Confluence(
+        complete,
+        cascades,
+        spent,
+        0 if complete else orders,
+        tuple(divergences),
+        tuple(name for place, name in enumerate(net.places) if unsafe >> place & 1),
+        stuck(graph),
+        tuple(sorted(endless)),
+    )
+
+
+def stuck(graph: AlternativesGraph) -> tuple[int, ...]:
+    """The stable states in which a part of the mission waits for what never comes."""
+    transient = sum(1 << place for place in graph.net.transient)
+    return tuple(state for state, marking in enumerate(graph.markings) if marking & transient)
+
+
+def overlapping(rules: tuple[Rule, ...]) -> tuple[tuple[int, int], ...]:
+    """Pairs of rules for one event whose conditions do not exclude each other, though they do different things."""
+    pairs = []
+    for first, one in enumerate(rules):
+        for second in range(first + 1, len(rules)):
+            other = rules[second]
+            common = one.tested & other.tested
+            if one.event == other.event and not (one.value ^ other.value) & common:
+                pairs.append((first, second))
+    return tuple(pairs)
+
+
+def _fired(graph: AlternativesGraph, state: int, event: int, spread: _Spread) -> Fired:
+    net = graph.net
+    (first, order), (second, other) = list(spread.ends.items())[:2]
+    return Fired(
+        state,
+        net.events[event].name,
+        (tuple(net.transitions[one].name for one in order), tuple(net.transitions[one].name for one in other)),
+        (view(net, first), view(net, second)),
+        (first, second),
+    )
+
+
+def _enabled(table: Masks, state: int, candidates: int, depends: int) -> tuple[int, int, int]:
+    """Of these candidates those enabled, those of the highest level among them, and what was looked at in addition.
+
+    Levels below the first with an enabled transition are left as candidates, unseen.
+    """
+    candidates &= armed(table, state)
+    for of_level in table.by_level[:0:-1]:
+        here = candidates & of_level
+        firing = 0
+        for index in bits(here):
+            missing = table.before[index] & ~state
+            if not missing:
+                firing |= 1 << index
+                depends |= table.before[index]
+            elif not missing & depends:
+                depends |= missing & -missing
+        candidates = candidates & ~here | firing
+        if firing:
+            return candidates, firing, depends
+    return 0, 0, depends
+
+
+def _start(table: Masks, state: int, event: int) -> tuple[int, int]:
+    """The marking right after an event, and the transitions that it can have enabled."""
+    return state & ~table.taken[event] | table.filled[event], table.wakes[event]
+
+
+def _all_orders(table: Masks, state: int, events: list[int], budget: int) -> _Spread:
+    """Every order in which the cascades of an event's enabled transitions can run. Raises OverBudget."""
+    depends = unsafe = 0
+    reached: dict[int, tuple[int, int]] = {}
+    queue: list[tuple[int, int]] = []
+    ends: list[int] = []
+    degree: dict[int, int] = {}
+    follow: dict[int, list[int]] = {}
+    for event in events:
+        missing = table.before[event] & ~state
+        if missing:
+            depends |= missing & -missing
+            continue
+        depends |= table.before[event] | table.filled[event]
+        unsafe |= state & table.filled[event]
+        after, candidates = _start(table, state, event)
+        if after not in reached:
+            reached[after] = (-1, event)
+            queue.append((after, candidates))
+    for marking, candidates in queue:
+        rest, firing, depends = _enabled(table, marking, candidates, depends)
+        if not firing:
+            ends.append(marking)
+        for index in bits(firing):
+            filled = table.filled[index]
+            unsafe |= marking & filled
+            depends |= filled
+            after = marking & ~table.taken[index] | filled
+            follow.setdefault(marking, []).append(after)
+            degree[after] = degree.get(after, 0) + 1
+            if after in reached:
+                continue
+            if len(reached) >= budget:
+                raise OverBudget
+            reached[after] = (marking, index)
+            queue.append((after, rest | table.wakes[index]))
+    orders = {end: _order(reached, end) for end in ends}
+    return _Spread(orders, depends | table.transient, len(reached), unsafe, _has_cycle(list(reached), degree, follow))
+
+
+def _order(reached: dict[int, tuple[int, int]], end: int) -> tuple[int, ...]:
+    order: list[int] = []
+    marking = end
+    while marking != -1:
+        marking, index = reached[marking]
+        order.append(index)
+    return tuple(reversed(order))
+
+
+def _has_cycle(markings: list[int], degree: dict[int, int], follow: dict[int, list[int]]) -> bool:
+    """Whether the markings of a cascade can come back to one of them."""
+    ready = [one for one in markings if not degree.get(one)]
+    for one in ready:
+        for after in follow.get(one, ()):
+            degree[after] -= 1
+            if not degree[after]:
+                ready.append(after)
+    return len(ready) < len(markings)
+
+
+def _random_orders(table: Masks, state: int, events: list[int], orders: int, random: Random) -> _Spread:
+    """A few random orders of a cascade; it then counts as known for this one marking only."""
+    ends: dict[int, tuple[int, ...]] = {}
+    unsafe = markings = 0
+    enabled = [event for event in events if not table.before[event] & ~state]
+    for number in range(orders + 1):
+        event = random.choice(enabled) if number else enabled[0]
+        unsafe |= state & table.filled[event]
+        marking, candidates = _start(table, state, event)
+        order = [event]
+        while True:
+            candidates, firing, _ = _enabled(table, marking, candidates, 0)
+            if not firing:
+                break
+            index = random.choice(list(bits(firing))) if number else (firing & -firing).bit_length() - 1
+            unsafe |= marking & table.filled[index]
+            marking = marking & ~table.taken[index] | table.filled[index]
+            order.append(index)
+            if len(order) > LONGEST:
+                raise EndlessCascade(index)
+            candidates |= table.wakes[index]
+        markings += len(order)
+        ends.setdefault(marking, tuple(order))
+    return _Spread(ends, (1 << len(table.arms)) - 1, markings, unsafe, endless=False)
