@@ -96,7 +96,7 @@ def _add_wcet(commands: _Commands) -> None:
     add("elf", metavar="ELF", help="the executable")
     add("functions", metavar="FUNCTION", nargs="*", help="symbols or addresses (default: every function with a symbol)")
     add("--board", metavar="B", required=True, help="a board of the standard library, or FILE.mauve:BOARD")
-    add("--facts", metavar="FILE", action="append", default=[], help="flow facts (.ff); may be given several times")
+    add("--facts", metavar="FILE", action="append", default=[], help="flow facts (.mauve or .ff); several if need be")
     add("--initial-data", action="store_true", help="start from the linked data, not from unknown globals")
     add("--timeout", metavar="S", type=_seconds, help="seconds spent on one function at most")
     add("--format", choices=("table", "json", "csv"), default="table", help="how results are shown (default: table)")

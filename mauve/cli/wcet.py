@@ -8,7 +8,7 @@ from argparse import Namespace
 from mauve.cli.output import style, table_width, write_file, write_json, write_messages, wrong_usage
 from mauve.diagnostics.diagnostic import Diagnostic, Report
 from mauve.pipeline import UnknownBoard, find_board, wcet
-from mauve.verdict.facts import read_facts
+from mauve.verdict.facts import facts_for
 from mauve.wcet.batch import Settings
 from mauve.wcet.result import WcetResult
 
@@ -21,7 +21,7 @@ def run(arguments: Namespace) -> int:
     board = find_board(arguments.board, report)
     if isinstance(board, UnknownBoard):
         return wrong_usage(board.message)
-    facts = [fact for path in arguments.facts for fact in read_facts(path, None, report)]
+    facts = [fact for path in arguments.facts for fact in facts_for(arguments.elf, path, report)]
     if board is None or report.has_errors:
         _write_messages(arguments, report)
         return 1

@@ -4,14 +4,15 @@ analysis.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
-from mauve.model.model import Binary, Board, LoopFact, Node, Wait
+from mauve.model.model import AssumedRange, Board, CodePlace, ControlFact, LoopFact, Node, Wait
 from mauve.timing.task import Interrupt, Kind, Platform
 from mauve.units import time_to_cycles
 
 if TYPE_CHECKING:
+    from mauve.model.facts import FlowFact
     from mauve.wcet.flow import facts
     from mauve.wcet.hardware import board as hardware
 
@@ -38,24 +39,38 @@ def _cycles(wait: Wait, hertz: int) -> int:
     return wait.amount if wait.in_cycles else time_to_cycles(wait.amount, hertz)
 
 
-def flow_facts(binary: Binary) -> tuple[facts.Fact, ...]:
-    """The loop facts of a binary. One by source line counts bodies, one by address or symbol counts headers
-    (semantics of record, section 5). `key` is the index of the fact in `binary.loops`."""
-    return tuple(_loop_fact(fact, key) for key, fact in enumerate(binary.loops))
+def flow_facts(written: Sequence[FlowFact]) -> tuple[facts.Fact, ...]:
+    """Facts in the words of the WCET engine. A loop by source line counts bodies, one by address or symbol counts
+    headers (semantics of record, section 5). `key` is the index of the fact among those given."""
+    return tuple(_fact(fact, key) for key, fact in enumerate(written))
 
 
-def _loop_fact(fact: LoopFact, key: int) -> facts.LoopFact:
+def _fact(fact: FlowFact, key: int) -> facts.Fact:
     from mauve.wcet.flow import facts
 
-    place: facts.Place
-    counting = facts.Counting.HEADER
-    if fact.file is not None and fact.line is not None:
-        place, counting = facts.AtLine(fact.file, fact.line), facts.Counting.BODY
-    elif fact.symbol is not None:
-        place = facts.AtSymbol(fact.symbol, fact.address or 0)
-    else:
-        place = facts.AtAddress(fact.address or 0)
-    return facts.LoopFact(place, fact.maximum, counting, fact.total, str(fact.span), key)
+    place, where = _place(fact.place), str(fact.span)
+    match fact:
+        case LoopFact():
+            counting = facts.Counting.BODY if isinstance(place, facts.AtLine) else facts.Counting.HEADER
+            return facts.LoopFact(place, fact.maximum, counting, fact.total, where, key)
+        case ControlFact():
+            kind = facts.ControlKind.TARGETS if fact.targets else facts.ControlKind.NO_RETURN
+            return facts.ControlFact(kind, place, tuple(_place(target) for target in fact.targets), where, key)
+        case AssumedRange():
+            at: facts.Place | facts.Argument = place
+            if fact.argument is not None:
+                at = facts.Argument(fact.place.symbol or "", fact.argument)
+            return facts.AssumeFact(at, fact.low, fact.high, fact.width or 0, where, key)
+
+
+def _place(place: CodePlace) -> facts.Place:
+    from mauve.wcet.flow import facts
+
+    if place.file is not None and place.line is not None:
+        return facts.AtLine(place.file, place.line)
+    if place.symbol is not None:
+        return facts.AtSymbol(place.symbol, place.address)
+    return facts.AtAddress(place.address)
 
 
 def timing_platform(node: Node, handlers: Mapping[str, int]) -> Platform:

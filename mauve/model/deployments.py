@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from mauve.diagnostics.diagnostic import Diagnostic, Fix, Label, Report, Severity
+from mauve.model.facts import BinaryFacts, binary_facts, under
 from mauve.model.model import (
     Architecture,
     Assumption,
@@ -14,7 +15,6 @@ from mauve.model.model import (
     Component,
     Deployment,
     Interrupt,
-    LoopFact,
     Node,
 )
 from mauve.model.names import Scope, duplicate, unknown
@@ -30,13 +30,15 @@ CEILING = "immediate_ceiling"
 
 @record
 class Platform:
-    """What deployments refer to, by the identity of declarations; boards by name for those given as strings."""
+    """What deployments refer to, by the identity of declarations; boards by name for those given as strings; the flow
+    facts of binaries that stand outside of deployments."""
 
     scope: Scope
     architectures: Mapping[int, Architecture]
     boards: Mapping[int, Board | None]
     standard_boards: Mapping[str, Board]
     directory: str
+    facts: tuple[BinaryFacts, ...] = ()
 
 
 def resolve_deployment(declaration: ast.DeploymentDecl, platform: Platform, report: Report) -> Deployment | None:
@@ -181,7 +183,7 @@ def _node(item: MergedNode, architecture: Architecture, platform: Platform, repo
     components = _Components(
         {instance.component.name: instance.component for instance in architecture.instances}, architecture.complete
     )
-    binaries = tuple(_binary(b, components, platform.directory, report) for b in item.binaries)
+    binaries = tuple(_binary(b, components, platform, report) for b in item.binaries)
     assumptions = tuple(a for decl in item.assumes for a in _assumptions(decl, components, report))
     resolved = (_interrupt(decl, bool(binaries), report) for decl in item.interrupts.values())
     interrupts = tuple(interrupt for interrupt in resolved if interrupt is not None)
@@ -283,7 +285,7 @@ def _codel(path: ast.Path, components: _Components, report: Report) -> CodelId |
     return CodelId(component.name, name.text)
 
 
-def _binary(item: ast.BinaryDecl, components: _Components, directory: str, report: Report) -> Binary:
+def _binary(item: ast.BinaryDecl, components: _Components, platform: Platform, report: Report) -> Binary:
     symbols: list[tuple[CodelId, str, Span]] = []
     for binding in item.symbols:
         codel = _codel(binding.codel, components, report)
@@ -294,38 +296,16 @@ def _binary(item: ast.BinaryDecl, components: _Components, directory: str, repor
             report.add(duplicate("symbol", ast.Name(str(codel), binding.codel.span), first))
             continue
         symbols.append((codel, binding.symbol.value, binding.symbol.span))
-    loops = tuple(fact for decl in item.loops if (fact := _loop(decl, report)) is not None)
-    facts = tuple((_under(directory, f.path.value), f.path.span) for f in item.facts)
-    return Binary(_under(directory, item.path.value), tuple(symbols), loops, facts, item.path.span)
-
-
-def _under(directory: str, path: str) -> str:
-    """A path relative to the model's file, in terms of the caller's directory."""
-    import posixpath
-
-    return path if path.startswith("/") or not directory else posixpath.normpath(posixpath.join(directory, path))
-
-
-def _loop(item: ast.LoopFactDecl, report: Report) -> LoopFact | None:
-    for number in (item.maximum, item.total):
-        if number is not None and (not number.is_integer or number.integer < 0):
-            report.add(Diagnostic("MV516", f"`{number.text}` is no number of iterations", Label(number.span)))
-            return None
-    maximum = item.maximum.integer if item.maximum else None
-    total = item.total.integer if item.total else None
-    if isinstance(item.place, ast.Number):
-        return LoopFact(None, None, None, item.place.integer, maximum, total, item.span)
-    text = item.place.value
-    file, colon, line = text.rpartition(":")
-    if colon and line.isdigit() and file:
-        return LoopFact(file, int(line), None, None, maximum, total, item.span)
-    offset = item.offset.integer if item.offset is not None and item.offset.is_integer else 0
-    if not text or colon:
-        message = f"`{text}` is no place in a program"
-        help_ = Fix('write a source line `"file.c:41"`, a symbol `"function"+0x10`, or an address `0x8000`')
-        report.add(Diagnostic("MV516", message, Label(item.place.span), help=help_))
-        return None
-    return LoopFact(None, None, text, offset, maximum, total, item.span)
+    path = under(platform.directory, item.path.value)
+    own = binary_facts(item, platform.directory, report)
+    stated = (own, *(facts for facts in platform.facts if facts.path == path))
+    return Binary(
+        path,
+        tuple(symbols),
+        tuple(fact for facts in stated for fact in facts.facts),
+        tuple(file for facts in stated for file in facts.files),
+        item.path.span,
+    )
 
 
 def _assumptions(item: ast.AssumeDecl, components: _Components, report: Report) -> list[Assumption]:

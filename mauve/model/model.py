@@ -311,15 +311,44 @@ class CodelId:
 
 
 @record
-class LoopFact:
-    """A loop bound of a deployment. `file`/`line`, or `symbol`/`offset`, or `address`."""
+class CodePlace:
+    """A place in a binary: `file` and `line`, or `symbol` and the offset `address`, or `address` alone."""
 
     file: str | None
     line: int | None
     symbol: str | None
-    address: int | None
+    address: int
+
+
+@record
+class LoopFact:
+    """A loop bound: per entry, and per execution of the function."""
+
+    place: CodePlace
     maximum: int | None
     total: int | None
+    span: Span
+
+
+@record
+class ControlFact:
+    """Where an indirect branch or call goes; without targets: a function that does not return."""
+
+    place: CodePlace
+    targets: tuple[CodePlace, ...]
+    span: Span
+
+
+@record
+class AssumedRange:
+    """What is assumed of a number in memory, or of an argument (counted from 1) of the function at `place`. `width` in
+    bytes is that of an element; `low` and `high` are None for any number."""
+
+    place: CodePlace
+    argument: int | None
+    width: int | None
+    low: int | None
+    high: int | None
     span: Span
 
 
@@ -329,7 +358,7 @@ class Binary:
 
     path: str
     symbols: tuple[tuple[CodelId, str, Span], ...]
-    loops: tuple[LoopFact, ...]
+    facts: tuple[LoopFact | AssumedRange | ControlFact, ...]
     fact_files: tuple[tuple[str, Span], ...]
     span: Span
 

@@ -172,7 +172,7 @@ def _deployment(deployment: Deployment) -> Iterator[str]:
             yield f'    binary "{binary.path}"'
             for codel, symbol, _ in binary.symbols:
                 yield f'      {codel} = "{symbol}"'
-            for fact in binary.loops:
+            for fact in binary.facts:
                 yield f"      {fact.span.text}"
             for path, _ in binary.fact_files:
                 yield f'      facts "{path}"'

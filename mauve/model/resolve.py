@@ -7,6 +7,7 @@ from mauve.model.architecture import Context, resolve_architecture
 from mauve.model.boards import resolve_board
 from mauve.model.components import resolve_component
 from mauve.model.deployments import Platform, resolve_deployment
+from mauve.model.facts import module_facts
 from mauve.model.model import Architecture, Board, Component, Model
 from mauve.model.names import Scope, module_scope
 from mauve.model.typing import TypeTable
@@ -44,8 +45,9 @@ def resolve(modules: tuple[ast.Module, ...], standard_boards: tuple[ast.Module, 
             if isinstance(declaration, ast.ArchitectureDecl):
                 architectures[id(declaration)] = resolve_architecture(declaration, context, report)
     deployments = []
+    facts = tuple(f for module in modules for f in module_facts(module, _directory(module), report))
     for module in modules:
-        platform = Platform(scopes[id(module)], architectures, boards, standard, _directory(module))
+        platform = Platform(scopes[id(module)], architectures, boards, standard, _directory(module), facts)
         for declaration in _first_of_each(module):
             if isinstance(declaration, ast.DeploymentDecl):
                 deployment = resolve_deployment(declaration, platform, report)

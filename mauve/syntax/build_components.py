@@ -16,12 +16,13 @@ def _module(context: Context, children: list[Any], start: int, end: int) -> ast.
     keep = (ast.StructDecl, ast.EnumDecl, ast.ComponentDecl, ast.LifecycleDecl, ast.ArchitectureDecl)
     declarations = tuple(c for c in children if isinstance(c, (*keep, ast.BoardDecl, ast.DeploymentDecl)))
     missions = tuple(c for c in children if isinstance(c, ast.MissionPart))
-    written = sorted([*imports, *declarations, *missions], key=lambda item: item.span.start)
+    binaries = only(children, ast.BinaryDecl)
+    written = sorted([*imports, *declarations, *missions, *binaries], key=lambda item: item.span.start)
     check_lines(context, written, 0, len(context.file.text))
     version = first(children, int)
     path = package.value if package else None
     doc = context.doc(package.span.start) if package else ""
-    return ast.Module(context.file, version, path, imports, declarations, doc, missions)
+    return ast.Module(context.file, version, path, imports, declarations, doc, missions, binaries)
 
 
 def _version(context: Context, children: list[Any], start: int, end: int) -> int | None:

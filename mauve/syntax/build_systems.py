@@ -7,12 +7,10 @@ from typing import Any
 
 from mauve.diagnostics.diagnostic import Applicability, Diagnostic, Edit, Fix, Label
 from mauve.diagnostics.suggest import closest
-from mauve.records import changed
 from mauve.source import Span
 from mauve.syntax import ast
 from mauve.syntax.build import Action, Clause, Context, all_of, check_lines, clause, first, has, only, take
 from mauve.syntax.quantities import UNITS
-from mauve.syntax.tokens import Token
 
 
 def _items(context: Context, children: list[Any], end: int) -> list[Any]:
@@ -292,66 +290,6 @@ def _interrupt(context: Context, children: list[Any], start: int, end: int) -> a
     return ast.InterruptDecl(children[1], every, wcet, symbol, context.span(start, end))
 
 
-# ------------------------------------------------------------------------------------------------ binaries
-def _binary(context: Context, children: list[Any], start: int, end: int) -> ast.BinaryDecl:
-    items = [item for item in children[2:] if item is not None and type(item) is not Token]
-    check_lines(context, [i for i in items if not isinstance(i, Clause)], children[1].span.end, end)
-    loops: list[ast.LoopFactDecl] = []
-    before: Any = None
-    for item in items:
-        if isinstance(item, Clause):
-            _limit(context, loops if isinstance(before, ast.LoopFactDecl) else [], item)
-            continue
-        before = item
-        if isinstance(item, ast.LoopFactDecl):
-            loops.append(item)
-    for loop in loops:
-        if loop.maximum is None and loop.total is None:
-            fix = Fix(f"write how often it runs: `{loop.span.text} max 10`")
-            context.error("a flow fact of a loop needs `max` or `total`", loop.span, fix=fix)
-    symbols, facts = only(items, ast.SymbolBinding), only(items, ast.FactsFile)
-    return ast.BinaryDecl(children[1], symbols, tuple(loops), facts, context.span(start, end))
-
-
-def _limit(context: Context, loops: list[ast.LoopFactDecl], limit: Clause) -> None:
-    """Add `max N` or `total N` to the loop before it."""
-    if not loops:
-        context.error(f"`{limit.word}` follows a loop: `loop \"file.c:41\" {limit.word} 6`", limit.span)
-        return
-    loop = loops[-1]
-    if (loop.maximum if limit.word == "max" else loop.total) is not None:
-        label = Label(loop.span, "of this loop")
-        message = f"`{limit.word}` is given twice"
-        context.report.add(Diagnostic("MV001", message, Label(limit.span, "and here"), labels=(label,)))
-        return
-    span = loop.span.to(limit.span)
-    if limit.word == "max":
-        loops[-1] = changed(loop, maximum=limit.value, span=span)
-    else:
-        loops[-1] = changed(loop, total=limit.value, span=span)
-
-
-def _limit_clause(context: Context, children: list[Any], start: int, end: int) -> Clause:
-    return Clause(children[0].text, children[1], context.span(start, end))
-
-
-def _loop(context: Context, children: list[Any], start: int, end: int) -> ast.LoopFactDecl:
-    offset = children[3] if len(children) > 2 else None
-    return ast.LoopFactDecl(children[1], offset, None, None, context.span(start, end))
-
-
-def _binding(context: Context, children: list[Any], start: int, end: int) -> ast.SymbolBinding:
-    return ast.SymbolBinding(children[0], children[2], context.span(start, end))
-
-
-def _bind_path(context: Context, children: list[Any], start: int, end: int) -> ast.Path:
-    return ast.Path(only(children, ast.Name), context.span(start, end))
-
-
-def _facts(context: Context, children: list[Any], start: int, end: int) -> ast.FactsFile:
-    return ast.FactsFile(children[1], context.span(start, end))
-
-
 SYSTEM_ACTIONS: dict[str, Action] = {
     "architecture": _architecture,
     "instance": _instance,
@@ -384,10 +322,4 @@ SYSTEM_ACTIONS: dict[str, Action] = {
     "exchange": _exchange,
     "assume": _assume,
     "interrupt": _interrupt,
-    "binary": _binary,
-    "binding": _binding,
-    "bind_path": _bind_path,
-    "loop": _loop,
-    "limit": _limit_clause,
-    "facts": _facts,
 }

@@ -21,6 +21,10 @@ RESERVED = frozenset(
 """Words that join the parts of a declaration; they are never names."""
 
 
+SHARED = frozenset({"ASSUME"})
+"""Keywords that open an item of several constructs, one inside the other."""
+
+
 @record
 class Snapshot:
     """The stacks before the token at index `at`. Lists among the values only grow, from `lengths` on."""
@@ -70,7 +74,8 @@ class Machine:
     """The stacks of one run: `states`, `values` and `starts` grow together, `states` being one longer.
 
     `at` is the index of the next token, `last_end` the offset after the last one shifted. `suspect` is the situation
-    before the latest keyword that opened a line and was taken for a name: often what should come before it is missing.
+    before the latest keyword that opened a line and was taken for a name, or for an item of the innermost construct
+    where one around it has such items, too (SHARED): often what should come before it is missing.
     `closing` is the one before the latest brace that closed a block of another indentation: it may be one too many.
     """
 
@@ -97,7 +102,7 @@ class Machine:
             row = actions[states[-1]]
             if kind == "NAME" and text in words:
                 kind = kind_of(self.table, states, token)
-                if kind == "NAME" and self._opens_line(start):
+                if (kind == "NAME" or kind in SHARED) and self._opens_line(start):
                     self.suspect = self._snapshot()
             elif kind == "RBRACE" and self._opens_line(start) and not self._aligned(start):
                 self.closing = self._snapshot()

@@ -68,6 +68,8 @@ def _short(value: Any) -> str | None:
             return f"every({_short(period)})"
         case ast.Once(apart):
             return f"once({_short(apart) if apart else ''})"
+        case ast.CodePlace(base, offset, _):
+            return f"{_short(base)}" + (f"+{offset.text}" if offset is not None else "")
         case ast.Step(target, arguments, result, _):
             call = "" if arguments is None else "(" + ",".join(map(str, arguments)) + ")"
             return (f"{result}=" if result else "") + f"{target}{call}"

@@ -276,7 +276,7 @@ def _candidates(situation: Situation) -> Iterator[Repair]:
         score = situation.score(situation.states, insert, situation.at + skip, LOOKAHEAD)
         return Repair(insert, replace=skip, score=score, need=need, rename=rename)
 
-    marks = [kind for kind in table.marks.values() if kind in row and kind not in ("RBRACE", "DOT", "PLUS")]
+    marks = [kind for kind in table.marks.values() if kind in row and kind not in ("RBRACE", "DOT", "PLUS", "QMARK")]
     joining = [table.words[word] for word in sorted(RESERVED)]
     words = [kind for kind in dict.fromkeys([*joining, *table.words.values()]) if kind in row]
     holders = [kind for kind in PLACEHOLDERS if kind in row]

@@ -11,7 +11,7 @@ from mauve.syntax.build_systems import unit_apart
 from mauve.syntax.machine import Machine, feed
 from mauve.syntax.quantities import UNITS
 from mauve.syntax.repair import Repair, Situation
-from mauve.syntax.tokens import Token
+from mauve.syntax.tokens import END, Token
 
 _OPERATORS = {"=>": "->", "<-": "->", "==": "=", ":=": "=", "&&": "and", "||": "or", "!": "not"}
 Tell = Callable[[Machine], Diagnostic]
@@ -108,7 +108,7 @@ def _bare_string(situation: Situation) -> Repair | None:
     word = re.compile(r"[^\s{}\"=,]+").match(situation.text, token.start)
     end = word.end() if word else token.end
     count = 1
-    while situation.token(count).end <= end and situation.token(count).start > token.start and count < 100:
+    while situation.token(count).kind != END and situation.token(count).end <= end:
         count += 1
     meant = f'"{situation.text[token.start:end]}"'
     told = _told("expected a text in quotes", token.start, end, meant)

@@ -11,7 +11,7 @@ GROUPS: tuple[tuple[str, frozenset[str], str], ...] = (
     (
         "STRUCT",
         frozenset({"STRUCT", "ENUM", "COMPONENT", "PASSIVE", "EXTERNAL", "LIFECYCLE"})
-        | {"ARCHITECTURE", "BOARD", "ABSTRACT", "DEPLOYMENT"}
+        | {"ARCHITECTURE", "BOARD", "ABSTRACT", "DEPLOYMENT", "BINARY"}
         | {"HARDWARE", "RESOURCE", "ACTIVITY", "OBJECTIVE", "MISSION"},
         "a declaration",
     ),

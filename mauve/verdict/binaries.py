@@ -136,6 +136,6 @@ def note_diagnostics(results: Sequence[WcetResult], binary: Binary) -> Iterator[
     """What the analysis noticed about flow facts: each fact once, at the place where it is written."""
     for problem in collected_notes(results):
         code, severity = NOTES.get(problem.kind, ("MV518", Severity.NOTE))
-        fact = next((f for f in binary.loops if str(f.span) == problem.written), None)
+        fact = next((f for f in binary.facts if str(f.span) == problem.written), None)
         primary = Label(fact.span) if fact is not None else Label(binary.span, problem.written)
         yield Diagnostic(code, problem.message, primary, severity)

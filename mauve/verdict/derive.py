@@ -98,7 +98,7 @@ def _silent(plan: CodelPlan, found: Mapping[CodelId, tuple[WcetResult, Binary]],
 def _facts(binary: Binary, report: Report) -> tuple[Fact, ...]:
     """The flow facts of a binary: those in the model and those of the files that it names."""
     written = (fact for path, span in binary.fact_files for fact in read_facts(path, span, report))
-    return (*flow_facts(binary), *written)
+    return (*flow_facts(binary.facts), *written)
 
 
 def _report_handler(interrupt: Interrupt, result: WcetResult, binary: Binary, report: Report) -> None:

@@ -1,18 +1,75 @@
-"""Files of flow facts, read for an analysis; what is wrong with them told as messages."""
+"""Files of flow facts, read for an analysis; what is wrong with them told as messages.
+
+A file that ends in `.mauve` gives the facts of its binaries, in or outside of deployments; every other one is taken for
+OTAWA's .ff.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from mauve.diagnostics.diagnostic import Diagnostic, Label, Report, Severity
 from mauve.source import SourceFile, Span
+from mauve.syntax.ast.deployments import BinaryDecl, DeploymentDecl
 
 if TYPE_CHECKING:
+    from mauve.model.facts import BinaryFacts
     from mauve.wcet.flow.facts import Fact
 
 LARGEST = 16 << 20
 """A longer file, in bytes, is refused."""
+
+
+def facts_for(elf: str, path: str, report: Report) -> tuple[Fact, ...]:
+    """The facts of a file of either kind that speak of an executable: in a model, those of the binaries that are the
+    same file, or where there are none those of the same name (a build may have moved it)."""
+    if not path.endswith(".mauve"):
+        return read_facts(path, None, report)
+    from mauve.lower.platform import flow_facts
+
+    declared = _declared(path, report)
+    mine = [facts for facts in declared if _same_file(facts.path, elf)]
+    mine = mine or [facts for facts in declared if Path(facts.path).name == Path(elf).name]
+    if not mine and not report.has_errors:
+        known = ", ".join(f"`{name}`" for name in dict.fromkeys(facts.path for facts in declared))
+        reason = f"it has those of {known}" if known else "it declares no binary"
+        report.add(Diagnostic("MV516", f"`{path}` has no flow facts of `{Path(elf).name}`: {reason}", place=path))
+    written = flow_facts(tuple(fact for facts in mine for fact in facts.facts))
+    files = (fact for facts in mine for file, span in facts.files for fact in read_facts(file, span, report))
+    return (*written, *files)
+
+
+def _declared(path: str, report: Report) -> tuple[BinaryFacts, ...]:
+    """The facts of all binaries that a module declares, without what it imports."""
+    from mauve.model.facts import binary_facts, module_facts
+    from mauve.syntax.load import load_modules
+
+    modules = load_modules(Path(path), report)[:1]
+    head, slash, _ = path.replace("\\", "/").rpartition("/")
+    found = [facts for module in modules for facts in module_facts(module, head + slash, report)]
+    for module in modules:
+        for declaration in module.declarations:
+            if isinstance(declaration, DeploymentDecl):
+                found += [binary_facts(item, head + slash, report) for item in _binaries(declaration)]
+    return tuple(found)
+
+
+def _binaries(deployment: DeploymentDecl) -> Iterator[BinaryDecl]:
+    for process in deployment.processes:
+        yield from process.binaries
+    for node in deployment.nodes:
+        yield from node.binaries
+        for process in node.processes:
+            yield from process.binaries
+
+
+def _same_file(first: str, second: str) -> bool:
+    try:
+        return Path(first).samefile(second)
+    except OSError:
+        return False
 
 
 def read_facts(path: str, named: Span | None, report: Report) -> tuple[Fact, ...]:

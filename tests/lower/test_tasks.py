@@ -15,7 +15,7 @@ from mauve.records import changed
 from mauve.timing.response import Method, Reason
 from mauve.timing.task import Kind, Platform
 from mauve.units import MS, US
-from mauve.wcet.flow.facts import AtAddress, AtLine, AtSymbol, Counting
+from mauve.wcet.flow.facts import AtAddress, AtLine, AtSymbol, Counting, LoopFact
 from mauve.wcet.result import WcetResult
 
 PARTS = f"""
@@ -384,10 +384,11 @@ def test_others_covers_what_nothing_else_names() -> None:
 
 
 def test_facts_by_line_count_bodies_and_others_headers() -> None:
-    facts = 'binary "a.elf" {\nloop "a.c:3" max 3\nloop "f"+0x10 max 4\nloop 0x8000 total 5\n}'
-    model = model_of(_text("instance log: Log", facts))
-    found = flow_facts(model.deployments[0].nodes[0].binaries[0])
-    assert [(fact.place, fact.counting, fact.maximum, fact.total) for fact in found] == [
+    written = 'binary "a.elf" {\nloop "a.c:3" max 3\nloop "f"+0x10 max 4\nloop 0x8000 total 5\n}'
+    model = model_of(_text("instance log: Log", written))
+    found = flow_facts(model.deployments[0].nodes[0].binaries[0].facts)
+    loops = [fact for fact in found if isinstance(fact, LoopFact)]
+    assert [(fact.place, fact.counting, fact.maximum, fact.total) for fact in loops] == [
         (AtLine("a.c", 3), Counting.BODY, 3, None),
         (AtSymbol("f", 0x10), Counting.HEADER, 4, None),
         (AtAddress(0x8000), Counting.HEADER, None, 5),

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from written import BOARD, codes, model_of, resolved
 
-from mauve.model.model import RegionId
+from mauve.model.model import AssumedRange, CodePlace, ControlFact, LoopFact, RegionId
 from mauve.model.threads import placement
 from mauve.units import MS, US
 
@@ -143,6 +143,13 @@ def test_region_names_print_as_paths() -> None:
         ('binary "a.elf" {\nWorker.work = "a"\nWorker.work = "b"\n}', ["MV103"]),
         ('binary "a.elf" {\nloop "a.c:" max 3\n}', ["MV516"]),
         ('binary "a.elf" {\nloop "a.c:3" max -3\n}', ["MV516"]),
+        ('binary "a.elf" {\nloop "a.c:3" max ?\n}', ["MV516"]),
+        ('binary "a.elf" {\nassume "n" from 2 to 1\n}', ["MV516"]),
+        ('binary "a.elf" {\nassume "n" from 0.5 to 1\n}', ["MV516"]),
+        ('binary "a.elf" {\nassume "n" each 3B any\n}', ["MV516"]),
+        ('binary "a.elf" {\nassume "f" argument 0 any\n}', ["MV516"]),
+        ('binary "a.elf" {\nassume 0x20 argument 1 any\n}', ["MV516"]),
+        ('binary "a.elf" {\nassume "a.c:3" any\n}', ["MV516"]),
     ],
 )
 def test_items_of_nodes(items: str, expected: list[str]) -> None:
@@ -153,7 +160,45 @@ def test_items_of_nodes(items: str, expected: list[str]) -> None:
 def test_paths_are_relative_to_the_model() -> None:
     text = ROBOT + 'deployment d of R {\nnode n on desk {\nbinary "../a.elf" {\nloop "a.c:3" max 3 total 9\n}\n}\n}'
     (binary,) = model_of(text).deployments[0].nodes[0].binaries
-    assert binary.path == "../a.elf" and (binary.loops[0].line, binary.loops[0].total) == (3, 9)
+    (fact,) = binary.facts
+    assert isinstance(fact, LoopFact)
+    assert binary.path == "../a.elf" and (fact.place.line, fact.total) == (3, 9)
+
+
+FACTS = """
+binary "a.elf" {
+  loop "a.c:9" max 4
+  assume "n" from -1 to 0x10
+  assume "table"+8 each 2B any
+  assume "f" argument 5 from 0 to 3
+  targets "g"+0x14 to "one", 0x8000
+  noreturn "panic"
+}
+binary "other.elf" {
+  loop "b.c:1" max 4
+}
+"""
+
+
+def test_facts_outside_of_deployments_join_those_of_the_same_binary() -> None:
+    text = ROBOT + FACTS + 'deployment d of R {\nnode n on desk {\nbinary "./a.elf" {\nloop "a.c:3" max 3\n}\n}\n}'
+    (binary,) = model_of(text.replace("./", "")).deployments[0].nodes[0].binaries
+    own, loop, *ranges, targets, never = binary.facts
+    assert isinstance(own, LoopFact) and isinstance(loop, LoopFact)
+    assert [own.place.line, loop.place.line] == [3, 9]
+    assert [(r.place, r.argument, r.width, r.low, r.high) for r in ranges if isinstance(r, AssumedRange)] == [
+        (CodePlace(None, None, "n", 0), None, None, -1, 16),
+        (CodePlace(None, None, "table", 8), None, 2, None, None),
+        (CodePlace(None, None, "f", 0), 5, None, 0, 3),
+    ]
+    assert isinstance(targets, ControlFact) and isinstance(never, ControlFact)
+    assert targets.targets == (CodePlace(None, None, "one", 0), CodePlace(None, None, None, 0x8000))
+    assert (never.place.symbol, never.targets) == ("panic", ())
+
+
+def test_no_codel_is_bound_outside_of_a_deployment() -> None:
+    _, report = resolved(ROBOT + 'binary "a.elf" {\nWorker.work = "w"\n}')
+    assert "MV516" in codes(report)
 
 
 def test_a_board_of_the_standard_library_is_named_by_a_string() -> None:

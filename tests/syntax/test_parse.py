@@ -84,7 +84,7 @@ Module version=1
   DeploymentDecl name=D architecture=A expect_unschedulable
     NodeDecl name=n board='b'
       BinaryDecl path='e'
-        LoopFactDecl place='s' offset=0x10 maximum=3 total=9
+        LoopFactDecl place='s'+0x10 maximum=3 total=9
 """,
     ),
 ]

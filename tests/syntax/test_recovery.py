@@ -113,6 +113,10 @@ PLANTED = [
     ('C.move = "c_move"', 'C.move "c_move"', "MV001", "expected `=` between the codel and its symbol"),
     ('loop "c.c:10" max 6', 'loop "c.c:10"', "MV001", "needs `max` or `total`"),
     ('loop "c.c:10" max 6', 'loop "c.c:10" max', "MV001", "expected a number after `max`"),
+    ('loop "c.c:10" max 6', 'max 6', "MV001", "`max` follows a loop"),
+    ('loop "c.c:10" max 6', 'assume "n"', "MV001", "needs either a range or `any`"),
+    ('loop "c.c:10" max 6', 'assume "n" from 1 2', "MV001", "expected `to`"),
+    ('loop "c.c:10" max 6', 'each 2B', "MV001", "`each` follows an assumption"),
 ]
 
 

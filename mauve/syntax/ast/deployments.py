@@ -18,16 +18,49 @@ class SymbolBinding:
 
 
 @record
+class CodePlace:
+    """`"fusion.c:41"`, `"symbol"+0x10` (with `offset`), or an address."""
+
+    base: String | Number
+    offset: Number | None
+    span: Span
+
+
+@record
 class LoopFactDecl:
     """`loop "fusion.c:41" max 6`, `loop 0x8a34 max 7`, `loop "symbol"+0x10 max 3 total 20`.
 
-    `place` is a string with a colon and a line number, a symbol (with `offset`), or an address.
+    A limit that is still a `?` has the text `?`.
     """
 
-    place: String | Number
-    offset: Number | None
+    place: CodePlace
     maximum: Number | None
     total: Number | None
+    span: Span
+
+
+@record
+class AssumedRangeDecl:
+    """`assume "sum" argument 2 from 0 to 64`, `assume "offsets" each 2B from -5 to 5`, `assume "buffer" any`.
+
+    `low` and `high` are both None for `any`.
+    """
+
+    place: CodePlace
+    argument: Number | None
+    width: Quantity | None
+    low: Number | None
+    high: Number | None
+    span: Span
+
+
+@record
+class ControlFactDecl:
+    """`targets "dispatch"+0x14 to "read", "write"`; `noreturn "panic"`, without targets."""
+
+    word: str
+    place: CodePlace
+    targets: tuple[CodePlace, ...]
     span: Span
 
 
@@ -41,11 +74,13 @@ class FactsFile:
 
 @record
 class BinaryDecl:
-    """`binary "ttrk.elf" { ... }`, relative to the model's file."""
+    """`binary "ttrk.elf" { ... }`, relative to the model's file; outside of a deployment it only holds flow facts."""
 
     path: String
     symbols: tuple[SymbolBinding, ...]
     loops: tuple[LoopFactDecl, ...]
+    ranges: tuple[AssumedRangeDecl, ...]
+    control: tuple[ControlFactDecl, ...]
     facts: tuple[FactsFile, ...]
     span: Span
 

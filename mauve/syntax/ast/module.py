@@ -8,7 +8,7 @@ from mauve.syntax.ast.architecture import ArchitectureDecl
 from mauve.syntax.ast.behaviour import LifecycleDecl
 from mauve.syntax.ast.boards import BoardDecl
 from mauve.syntax.ast.components import ComponentDecl
-from mauve.syntax.ast.deployments import DeploymentDecl
+from mauve.syntax.ast.deployments import BinaryDecl, DeploymentDecl
 from mauve.syntax.ast.missions import MissionPart
 from mauve.syntax.ast.names import Name, Path
 from mauve.syntax.ast.types import EnumDecl, StructDecl
@@ -29,7 +29,8 @@ class Import:
 class Module:
     """One file. `version` is the language version of its first line, None when that line is missing.
 
-    The declarations of missions stand apart: their names are a space of their own.
+    The declarations of missions stand apart: their names are a space of their own. `binaries` are those outside of
+    deployments: flow facts of an executable, wherever it is deployed.
     """
 
     file: SourceFile
@@ -39,3 +40,4 @@ class Module:
     declarations: tuple[Declaration, ...]
     doc: str = ""
     missions: tuple[MissionPart, ...] = ()
+    binaries: tuple[BinaryDecl, ...] = ()
