@@ -13,7 +13,7 @@ from collections.abc import Mapping
 from mauve.mission.draft import Draft
 from mauve.mission.net import Level
 from mauve.mission.plan import Activity, Alternative
-from mauve.mission.resources import Access, Demand, Product
+from mauve.mission.resources import Access, Demand, Product, asking
 from mauve.records import record
 
 R = Level.RESOURCE
@@ -76,19 +76,16 @@ def activity_template(
     name = activity.name
     alternatives = reachable(activity)
     fails = can_fail(activity)
-    demands = tuple(
-        Demand(draft.place(name, f"asked{_nth(slot)}"), draft.place(name, f"unasked{_nth(slot)}", marked=True))
-        for slot in range(slots)
-    )
-    idle = draft.place(name, "idle", marked=True)
+    demands = tuple(asking(draft, name, _nth(slot)) for slot in range(slots))
+    idle = draft.place(name, "idle", marked=True, unit=name)
     evaluations = tuple(
-        draft.place(name, f"eval{index + 1}", transient=True) for index in range(len(alternatives) + fails)
+        draft.place(name, f"eval{index + 1}", transient=True, unit=name) for index in range(len(alternatives) + fails)
     )
-    closing = draft.place(name, "closing", transient=True)
+    closing = draft.place(name, "closing", transient=True, unit=name)
     reports = fails and slots > 0
-    closing_failed = draft.place(name, "closingF", transient=True) if reports else None
-    failed = draft.place(name, "failed") if reports else None
-    runs = tuple(draft.place(name, f"{alternative.name}.run") for alternative in alternatives)
+    closing_failed = draft.place(name, "closingF", transient=True, unit=name) if reports else None
+    failed = draft.place(name, "failed", unit=name) if reports else None
+    runs = tuple(draft.place(name, f"{alternative.name}.run", unit=name) for alternative in alternatives)
     draft.running.extend((place, name, one.name) for place, one in zip(runs, alternatives, strict=True))
     if failed is not None:
         draft.failed.append((failed, name))
@@ -124,7 +121,8 @@ def _starts(draft: Draft, shape: _Shape) -> None:
 def _alternative(draft: Draft, shape: _Shape, index: int) -> None:
     """Selection, the two chains that collect the answers, and what happens when something held is lost."""
     alternative = shape.alternatives[index]
-    name = f"{shape.activity.name}.{alternative.name}"
+    owner = shape.activity.name
+    name = f"{owner}.{alternative.name}"
     accesses = [shape.accesses[one] for one in dict.fromkeys(alternative.consumes)]
     consumed = list(dict.fromkeys(alternative.consumes))
     here = shape.evaluations[index]
@@ -132,49 +130,65 @@ def _alternative(draft: Draft, shape: _Shape, index: int) -> None:
     if not accesses:
         draft.fire(f"{name}.select", Level.CHOICE, (here,), running)
         return
+    good = [
+        draft.place(owner, f"{alternative.name}.good{j + 1}", transient=True, unit=owner) for j in range(len(accesses))
+    ]
+    before, after = (here, *(one.available for one in accesses)), (good[0], *(one.take for one in accesses))
+    draft.fire(f"{name}.select", Level.CHOICE, before, after)
     onward = shape.evaluations[index + 1]
-    good = [draft.place(name, f"good{j + 1}", transient=True) for j in range(len(accesses))]
-    draft.fire(
-        f"{name}.select",
-        Level.CHOICE,
-        (here, *(one.available for one in accesses)),
-        (good[0], *(one.take for one in accesses)),
-    )
-    for resource, access in zip(consumed, accesses, strict=True):
+    named = list(zip(consumed, accesses, strict=True))
+    for resource, access in named:
         for number, sign in enumerate(access.refusals):
             draft.fire(f"{name}.no{number + 1}({resource})", Level.CHOICE, (here,), (onward,), reads=(sign,))
-    bad: list[int | None] = [None] * (len(accesses) + 1)
-    bad[-1] = onward
-    for j, (resource, access) in enumerate(zip(consumed, accesses, strict=True)):
-        after = (good[j + 1],) if j + 1 < len(good) else running
-        draft.fire(f"{name}.ok({resource})", R, (good[j], access.answer), after)
-        refusable = access.refused is not None or bad[j] is not None
-        if refusable and j + 1 < len(good):
-            bad[j + 1] = draft.place(name, f"bad{j + 2}", transient=True)
-        source, target = bad[j], bad[j + 1]
-        if target is not None and access.refused is not None:
-            back = (one.release for one in accesses[:j])
-            draft.fire(f"{name}.refused({resource})", R, (good[j], access.refused), (target, *back))
-        if source is not None and target is not None:
-            draft.fire(f"{name}.return({resource})", R, (source, access.answer), (target, access.release))
-            if access.refused is not None:
-                draft.fire(f"{name}.refused2({resource})", R, (source, access.refused), (target,))
         if access.error is not None:
             rest = (one.release for one in accesses if one is not access)
             gone = (shape.runs[index], access.error)
             draft.fire(f"{name}.lost({resource})", R, gone, (shape.evaluations[0], *rest))
+    _collection(draft, owner, alternative.name, named, good, running, onward)
+
+
+def _collection(
+    draft: Draft,
+    owner: str,
+    alternative: str,
+    named: list[tuple[str, Access]],
+    good: list[int],
+    running: tuple[int, ...],
+    onward: int,
+) -> None:
+    """Collects the answers in order; after the first refusal the rest is collected to be given back."""
+    name = f"{owner}.{alternative}"
+    accesses = [access for _, access in named]
+    bad: int | None = None
+    for j, (resource, access) in enumerate(named):
+        last = j + 1 == len(named)
+        draft.fire(f"{name}.ok({resource})", R, (good[j], access.answer), running if last else (good[j + 1],))
+        if access.refused is None and bad is None:
+            continue
+        target = onward
+        if not last:
+            target = draft.place(owner, f"{alternative}.bad{j + 2}", transient=True, unit=owner)
+        if access.refused is not None:
+            back = (one.release for one in accesses[:j])
+            draft.fire(f"{name}.refused({resource})", R, (good[j], access.refused), (target, *back))
+        if bad is not None:
+            draft.fire(f"{name}.return({resource})", R, (bad, access.answer), (target, access.release))
+            if access.refused is not None:
+                draft.fire(f"{name}.refused2({resource})", R, (bad, access.refused), (target,))
+        bad = target
 
 
 def _entering(draft: Draft, shape: _Shape, index: int) -> tuple[int, ...]:
     """What is filled when an alternative has all it consumes: its products go up, those of the others down."""
     alternative = shape.alternatives[index]
-    name = f"{shape.activity.name}.{alternative.name}"
+    owner = shape.activity.name
+    name = f"{owner}.{alternative.name}"
     offered = [product for one, product in shape.products.items() if one in alternative.produces]
     withdrawn = {one: product for one, product in shape.products.items() if one not in alternative.produces}
     up = tuple(product.activation for product in offered)
     if not withdrawn:
         return (shape.runs[index], *up)
-    settling = draft.place(name, "settling", transient=True)
+    settling = draft.place(owner, f"{alternative.name}.settling", transient=True, unit=owner)
     draft.fire(f"{name}.settled", R, (settling, *(one.ack for one in withdrawn.values())), (shape.runs[index],))
     for one, product in withdrawn.items():
         for number, refusal in enumerate(product.refusals):

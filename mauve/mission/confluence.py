@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from random import Random
 
-from mauve.mission.graph import AlternativesGraph, Confluence, Fired, Rule, view
+from mauve.mission.graph import AlternativesGraph, Confluence, Fired, view
 from mauve.mission.net import Level
 from mauve.mission.stable import LONGEST, EndlessCascade, Masks, armed, bits, masks
 from mauve.records import record
@@ -87,18 +87,6 @@ def stuck(graph: AlternativesGraph) -> tuple[int, ...]:
     """The stable states in which a part of the mission waits for what never comes."""
     transient = sum(1 << place for place in graph.net.transient)
     return tuple(state for state, marking in enumerate(graph.markings) if marking & transient)
-
-
-def overlapping(rules: tuple[Rule, ...]) -> tuple[tuple[int, int], ...]:
-    """Pairs of rules for one event whose conditions do not exclude each other, though they do different things."""
-    pairs = []
-    for first, one in enumerate(rules):
-        for second in range(first + 1, len(rules)):
-            other = rules[second]
-            common = one.tested & other.tested
-            if one.event == other.event and not (one.value ^ other.value) & common:
-                pairs.append((first, second))
-    return tuple(pairs)
 
 
 def _fired(graph: AlternativesGraph, state: int, event: int, spread: _Spread) -> Fired:

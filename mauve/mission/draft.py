@@ -22,9 +22,13 @@ class Draft:
         self.failed: list[tuple[int, str]] = []
         self.lost: list[tuple[int, str]] = []
         self.outcomes: list[tuple[int, str]] = []
+        self.units: dict[str, list[int]] = {}
 
-    def place(self, group: str, name: str, marked: bool = False, transient: bool = False) -> int:
-        """A new place `group.name`, with a token at first where `marked`; its index."""
+    def place(self, group: str, name: str, marked: bool = False, transient: bool = False, unit: str = "") -> int:
+        """A new place `group.name`, with a token at first where `marked`; its index.
+
+        All places of one unit have one token together, always.
+        """
         full = f"{group}.{name}" if group else name
         while full in self.places:
             full += "'"
@@ -34,6 +38,8 @@ class Draft:
             self.initial.append(index)
         if transient:
             self.transient.append(index)
+        if unit:
+            self.units.setdefault(unit, []).append(index)
         return index
 
     def fire(
@@ -72,4 +78,5 @@ class Draft:
             ),
             tuple(self.places.values()),
             tuple(self.transient),
+            tuple(tuple(unit) for unit in self.units.values()),
         )

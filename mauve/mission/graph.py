@@ -56,7 +56,7 @@ class Rule:
     """What the controller does on an event: one cascade, from a stable marking to the next.
 
     Where `marking & tested == value`, the event `events[event]` of the net leads to `marking & ~cleared | filled`.
-    For one event the conditions of two rules exclude each other.
+    In a stable marking that can be reached, one rule holds for each event that can happen, and none for any other.
     """
 
     event: int

@@ -79,7 +79,8 @@ class Net:
     """Names of places and transitions are unique; indices follow the order of declaration, which is canonical.
 
     `groups` names for each place the part of the mission it belongs to: a resource, an activity, the path of an
-    objective, or "" for the mission itself. No stable marking of a sound mission holds a place of `transient`.
+    objective, or "" for the mission itself. No stable marking of a sound mission holds a place of `transient`. The
+    places of each of `units` hold one token together in every marking (place invariants that `verify` checks).
     """
 
     name: str
@@ -90,6 +91,7 @@ class Net:
     meanings: Meanings = Meanings()
     groups: tuple[str, ...] = ()
     transient: tuple[int, ...] = ()
+    units: tuple[tuple[int, ...], ...] = ()
 
 
 def marking(places: tuple[int, ...]) -> int:

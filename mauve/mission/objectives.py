@@ -33,9 +33,11 @@ class _Context:
     names: Mapping[str, str]
 
 
-def mission_template(draft: Draft, root: Series, parts: Mapping[str, Parts]) -> None:
+def mission_template(
+    draft: Draft, root: Series, parts: Mapping[str, Parts], stems: Mapping[str, str] | None = None
+) -> None:
     """The mission around its root: it starts on MISSION_EV_START, and ends in success or failure."""
-    names = short_names(tuple(leaf.path for leaf in leaves(root)))
+    names = short_names(tuple(leaf.path for leaf in leaves(root))) if stems is None else stems
     initial = draft.place("", "MISSION_initial", marked=True)
     success, failure = draft.place("", "MISSION_success"), draft.place("", "MISSION_failure")
     draft.outcomes.extend([(success, "success"), (failure, "failure")])
@@ -118,7 +120,7 @@ def _link(context: _Context, link: Link, between: _Between) -> None:
 def _retry(context: _Context, link: Link, times: int, between: _Between) -> None:
     """A counter of the failures so far sends each back to the entry, until there were too many."""
     draft, path = context.draft, link.node.path
-    tries = [draft.place(path, f"try{index + 1}", marked=index == 0) for index in range(times + 1)]
+    tries = [draft.place(path, f"try{index + 1}", marked=index == 0, unit=f"{path}.try") for index in range(times + 1)]
     done, lost = draft.place(path, "done", transient=True), draft.place(path, "lost", transient=True)
     for index, here in enumerate(tries):
         draft.fire(f"{path}.done{index + 1}", M, (done, here), (between.ok, tries[0]))

@@ -58,6 +58,13 @@ class Product:
     refusals: tuple[Refusal, ...]
 
 
+def asking(draft: Draft, group: str, suffix: str = "") -> Demand:
+    """A demand that nobody makes at first."""
+    unit = f"{group}.asked{suffix}"
+    asked = draft.place(group, f"asked{suffix}", unit=unit)
+    return Demand(asked, draft.place(group, f"unasked{suffix}", marked=True, unit=unit))
+
+
 def _access(draft: Draft, group: str, suffix: str = "", error: bool = True) -> tuple[int, int, int, int, int | None]:
     return (
         draft.place(group, f"available{suffix}", marked=True),
@@ -83,12 +90,12 @@ def hardware(
     whether a release can cross an error; it cannot where the resource stands alone (figure 10).
     """
     name = resource.name
-    free, busy = draft.place(name, "free", marked=True), draft.place(name, "busy")
+    free, busy = draft.place(name, "free", marked=True, unit=name), draft.place(name, "busy", unit=name)
     out = failing_free = failing_busy = 0
     if resource.may_fail:
-        out = draft.place(name, "OOS")
-        failing_free = draft.place(name, "failingF", transient=True)
-        failing_busy = draft.place(name, "failingB", transient=True)
+        out = draft.place(name, "OOS", unit=name)
+        failing_free = draft.place(name, "failingF", transient=True, unit=name)
+        failing_busy = draft.place(name, "failingB", transient=True, unit=name)
     available, take, answer, release, error = _access(draft, name, error=resource.may_fail)
     draft.fire(f"{name}.take!", R, (take, free), (answer, busy))
     draft.fire(f"{name}.release!", R, (release, busy), (free, available))
@@ -112,13 +119,13 @@ def hardware(
 def exclusive(draft: Draft, resource: Software, contended: bool) -> tuple[Product, Access]:
     """A software resource with one consumer at a time (figure 7), and `ack`: the producer waits until it is gone."""
     name = resource.name
-    off = draft.place(name, "notAvailable", marked=True)
-    free, busy = draft.place(name, "free"), draft.place(name, "busy")
-    waiting = draft.place(name, "waiting", transient=True)
+    off = draft.place(name, "notAvailable", marked=True, unit=name)
+    free, busy = draft.place(name, "free", unit=name), draft.place(name, "busy", unit=name)
+    waiting = draft.place(name, "waiting", transient=True, unit=name)
     activation = draft.place(name, "activation", transient=True)
     deactivation = draft.place(name, "deactivation", transient=True)
     ack = draft.place(name, "ack", transient=True)
-    demand = Demand(draft.place(name, "asked"), draft.place(name, "unasked", marked=True))
+    demand = asking(draft, name)
     available, take, answer, release, error = _access(draft, name)
     refused = draft.place(name, "refused", transient=True)
     assert error is not None
@@ -147,7 +154,7 @@ def shared(draft: Draft, resource: Software, consumers: tuple[str, ...]) -> tupl
     and ends as `ack`.
     """
     name = resource.name
-    off, on = draft.place(name, "notAvailable", marked=True), draft.place(name, "on")
+    off, on = draft.place(name, "notAvailable", marked=True, unit=name), draft.place(name, "on", unit=name)
     activation = draft.place(name, "activation", transient=True)
     deactivation = draft.place(name, "deactivation", transient=True)
     ack = draft.place(name, "ack", transient=True)
@@ -162,7 +169,7 @@ def shared(draft: Draft, resource: Software, consumers: tuple[str, ...]) -> tupl
         suffix = f"({consumer})"
         waiting = draft.place(name, f"waiting{suffix}", transient=True)
         busy = draft.place(name, f"busy{suffix}")
-        demand = Demand(draft.place(name, f"asked{suffix}"), draft.place(name, f"unasked{suffix}", marked=True))
+        demand = asking(draft, name, suffix)
         available, take, answer, release, error = _access(draft, name, suffix)
         refused = draft.place(name, f"refused{suffix}", transient=True)
         assert error is not None

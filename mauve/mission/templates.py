@@ -19,8 +19,11 @@ from mauve.mission.resources import Access, Product, exclusive, hardware, shared
 from mauve.records import changed
 
 
-def build_net(mission: Mission) -> Net:
-    """The net of a mission that has no `faults`: hardware, software, activities, then the tree of objectives."""
+def build_net(mission: Mission, stems: Mapping[str, str] | None = None) -> Net:
+    """The net of a mission that has no `faults`: hardware, software, activities, then the tree of objectives.
+
+    stems: by path, what the events of an elementary objective are named after; if None the shortest unique ending.
+    """
     draft = Draft(mission.name)
     wiring = Wiring(mission)
     root = flatten(mission)
@@ -54,7 +57,7 @@ def build_net(mission: Mission) -> Net:
     }
     for one in mission.hardware:
         _upgrades(draft, wiring, one, upgrading[one.name], news[one.name], parts)
-    mission_template(draft, root, parts)
+    mission_template(draft, root, parts, stems)
     return draft.net()
 
 
