@@ -33,7 +33,9 @@ from mauve.verdict.result import CheckResult, DeploymentResult, NodeResult
 
 if TYPE_CHECKING:
     from mauve.wcet.batch import Progress, Settings
+    from mauve.wcet.flow.facts import Fact
     from mauve.wcet.hardware.board import Board
+    from mauve.wcet.missing import MissingIn
     from mauve.wcet.result import WcetResult
 
 
@@ -184,3 +186,30 @@ def wcet(
     for diagnostic in function_diagnostics(elf, results, unknown):
         report.add(diagnostic)
     return results
+
+
+def missing(
+    elf: str,
+    functions: Sequence[str],
+    facts: Sequence[Fact],
+    initial_data: bool,
+    timeout: float | None,
+    report: Report,
+) -> tuple[MissingIn, ...] | None:
+    """What the bounds of functions of an executable still need; what several of them need once. None where there is no
+    such executable or function."""
+    from mauve.verdict.functions import problem_diagnostic
+    from mauve.wcet.batch import near_names
+    from mauve.wcet.missing import missing_facts
+    from mauve.wcet.result import Problem, ProblemKind
+
+    found: dict[str, MissingIn] = {}
+    for name in functions:
+        one = missing_facts(elf, name, facts, initial_data=initial_data, timeout=timeout)
+        if isinstance(one, Problem):
+            near = near_names(elf, name) if one.kind is ProblemKind.SYMBOL else ()
+            report.add(problem_diagnostic(elf, one, near))
+            continue
+        for part in one:
+            found.setdefault(part.function, part)
+    return None if report.has_errors else tuple(found.values())

@@ -121,11 +121,33 @@ def _count(text: str) -> int:
     return value
 
 
+def _add_facts(commands: _Commands) -> None:
+    parser = commands.parser(
+        "the flow facts that are missing, as a template",
+        "Print the flow facts that the bounds of functions of an executable still need: loops without a bound, nested "
+        "as they are and with their source lines, and branches without targets. Everything else is bounded already.",
+        f"example: mauvec facts robot.elf control_step > robot-facts.mauve. {CODES}.",
+    )
+    add = parser.add_argument
+    add("elf", metavar="ELF", help="the executable")
+    add("functions", metavar="FUNCTION", nargs="+", help="symbols or addresses")
+    add("--facts", metavar="FILE", action="append", default=[], help="facts known already (.mauve or .ff)")
+    add("--initial-data", action="store_true", help="start from the linked data, not from unknown globals")
+    add("--timeout", metavar="S", type=_seconds, help="seconds spent on one function at most")
+    add("--format", choices=("mauve", "ff"), default="mauve", help="for a model (default), or for OTAWA")
+    _add_common(parser)
+
+
 def _add_explain(commands: _Commands) -> None:
     about = "Explain a message: what it means, why it matters, and what to do."
     parser = commands.parser("what a message means", about, "example: mauvec explain MV601")
     parser.add_argument("code", metavar="CODE", help="e.g. MV601, or its name, deadline-missed")
 
 
-COMMANDS: dict[str, Callable[[_Commands], None]] = {"check": _add_check, "wcet": _add_wcet, "explain": _add_explain}
+COMMANDS: dict[str, Callable[[_Commands], None]] = {
+    "check": _add_check,
+    "wcet": _add_wcet,
+    "facts": _add_facts,
+    "explain": _add_explain,
+}
 """What adds the parser of each command; `mauve.cli.NAME.run` runs it."""

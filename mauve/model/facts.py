@@ -93,6 +93,10 @@ def _loop(item: ast.LoopFactDecl, report: Report) -> LoopFact | None:
 
 
 def _control(item: ast.ControlFactDecl, report: Report) -> ControlFact | None:
+    if item.word == "targets" and not item.targets:
+        message = "the targets are still a `?`: write where it goes"
+        report.add(Diagnostic("MV516", message, Label(item.span), Severity.NOTE))
+        return None
     place, targets = _place(item.place, report), [_place(target, report) for target in item.targets]
     known = tuple(target for target in targets if target is not None)
     return ControlFact(place, known, item.span) if place is not None and len(known) == len(targets) else None

@@ -35,6 +35,11 @@ def function_diagnostics(
         yield Diagnostic(code, note.message, severity=severity, place=note.written or path)
 
 
+def problem_diagnostic(path: str, problem: Problem, near: tuple[str, ...]) -> Diagnostic:
+    """What is wrong with an executable or one function; `near` are functions that its name may stand for."""
+    return _problem(path, problem, [""], near)
+
+
 def _problem(path: str, problem: Problem, names: list[str], near: tuple[str, ...]) -> Diagnostic:
     if len(names) > 1:
         problem = changed(problem, call_path=())

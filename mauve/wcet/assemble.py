@@ -130,7 +130,7 @@ def _problems(
 ) -> tuple[Problem, ...]:
     """Every reason once, with its source line and a shortest call path from the entry."""
     found: dict[tuple[object, ...], Problem] = {}
-    paths = _paths(program)
+    paths = call_paths(program)
     inside = (
         changed(problem, call_path=problem.call_path or paths[key])
         for key, bound in bounds.items()
@@ -146,7 +146,7 @@ def _problems(
     return tuple(found.values())
 
 
-def _paths(program: ProgramFlow) -> dict[ContextKey, tuple[str, ...]]:
+def call_paths(program: ProgramFlow) -> dict[ContextKey, tuple[str, ...]]:
     """For every function that feasible calls reach: the names of the functions on a shortest way to it."""
     functions = program.functions
     if program.entry not in functions:

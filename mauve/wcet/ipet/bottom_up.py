@@ -62,7 +62,7 @@ def bound_function(
     live = reachable_edges(flow)
     stack = _stack(flow, callees, live)
     costs = edge_costs(flow.cfg, core, board, flow.accesses, flow.infeasible)
-    problems = (*flow.problems, *costs.problems, *_unresolved(flow))
+    problems = (*flow.problems, *costs.problems, *unresolved(flow))
     if problems or flow.nest.irreducible:
         return FunctionBound(None, problems=problems, stack=stack)
     chosen: dict[int, ContextKey] = {}
@@ -155,7 +155,7 @@ _KINDS = {
 }
 
 
-def _unresolved(flow: FunctionFlow) -> Iterator[Problem]:
+def unresolved(flow: FunctionFlow) -> Iterator[Problem]:
     """Holes of the graph and regions with several entries that flow analysis has not reported itself."""
     reported = {problem.address for problem in flow.problems}
     for hole in flow.cfg.unresolved:
