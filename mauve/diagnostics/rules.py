@@ -72,7 +72,10 @@ RULES: dict[str, Rule] = {
         Rule("MV306", "shadowed-transition", WARNING),
         Rule("MV307", "bad-step", ERROR),
         Rule("MV308", "passive-behaviour", ERROR),
-        Rule("MV311", "unsupported-behaviour", ERROR),
+        Rule("MV312", "call-cycle", ERROR),
+        Rule("MV313", "call-own-thread", ERROR),
+        Rule("MV314", "call-in-critical-section", ERROR),
+        Rule("MV315", "requests-not-served", ERROR),
         # 4 deployment
         Rule("MV401", "activation", ERROR),
         Rule("MV402", "region-placed-twice", ERROR),

@@ -5,7 +5,11 @@ J = R_p. With several, each at most 1 / T_p often, J = s * sum(R_p / T_p + 1) co
 long as s * sum(1 / T_p) <= 1, which the model checks. The best case is 0 (semantics of record, section 4). A writer
 outside the model has its declared jitter for a response.
 
-Responses depend on jitters and jitters on responses: they are iterated from 0 upwards to their least fixed point.
+A task that waits for an operation of another depends on the response of that one, and on its own: it delays others as
+long as its jobs last (`suspension.py`).
+
+Responses depend on jitters and waits, and those on responses: all are iterated from 0 upwards to their least fixed
+point.
 """
 
 from __future__ import annotations
@@ -15,6 +19,7 @@ from fractions import Fraction
 from math import ceil
 
 from mauve.lower.placed import NodeTasks, PlacedTask
+from mauve.lower.suspension import suspended, wait_times
 from mauve.model.model import Deployment, Instance
 from mauve.model.periods import instance_period
 from mauve.model.wakeups import waking
@@ -58,39 +63,113 @@ Wakers = Mapping[str, tuple[_Waker, ...]]
 def settle(
     deployment: Deployment, nodes: Sequence[NodeTasks], platforms: Sequence[Platform], method: Method
 ) -> Settled:
-    """The responses of all nodes together, with event jitters at their fixed point.
+    """The responses of all nodes together, with event jitters and waits at their fixed point.
 
-    A task whose writers have no bound, and those it delays, get no response time (`Reason.ARRIVALS`).
+    A task whose writers have no bound, and those it delays, get no response time (`Reason.ARRIVALS`), nor does one that
+    waits for a response without a bound (`Reason.WAITS`).
     """
     wakers = _wakers(deployment, nodes)
-    current = tuple(nodes)
+    waiting = any(placed.waits for node in nodes for placed in node.tasks)
+    state = _State(tuple(nodes), {}, frozenset(), frozenset(), frozenset(), frozenset())
     results: tuple[Analysis | None, ...] = ()
-    lost: set[str] = set()
-    endless: set[str] = set()
-    unknown: set[str] = set()
     for _ in range(ROUNDS):
-        analyses = [_analyse(node, platform, method) for node, platform in zip(current, platforms, strict=True)]
-        results = tuple(_withdraw(analysis, unknown) if analysis else None for analysis in analyses)
-        responses = {r.task: r.wcrt for analysis in results if analysis for r in analysis.results}
-        # Jitters only rise, so a response once without a bound stays so, whatever is left out for it later.
-        lost |= {name for name, response in responses.items() if response is None}
-        known = {name: response for name, response in responses.items() if name not in lost}
-        updated = tuple(
-            changed(node, tasks=tuple(_with_jitter(one, wakers, known) for one in node.tasks)) for node in nodes
-        )
-        endless |= {one.task.name for node in updated for one in node.tasks if _endless(one, wakers)}
-        woken = {name for name, ws in wakers.items() if name in endless or any(w.response(known) is None for w in ws)}
-        if updated == current and woken == unknown:
-            return Settled(current, results)
-        current, unknown = updated, woken
-    withdrawn = tuple(_withdraw(analysis, set(wakers)) if analysis else None for analysis in results)
-    return Settled(current, withdrawn)
+        analyses = [_analyse(*pair, method, state.known) for pair in zip(state.nodes, platforms, strict=True)]
+        results = tuple(_withdraw(analysis, state) if analysis else None for analysis in analyses)
+        then = _next(state, nodes, wakers, results, waiting)
+        if then.settled == state.settled:
+            return Settled(_told(state), results)
+        state = then
+    everything = changed(state, unknown=frozenset(wakers), stuck=state.stuck | _waiting(nodes))
+    return Settled(state.nodes, tuple(_withdraw(analysis, everything) if analysis else None for analysis in results))
 
 
-def _analyse(node: NodeTasks, platform: Platform, method: Method) -> Analysis | None:
+@record
+class _State:
+    """What the next analysis takes: the tasks with their jitters, and `known` responses. `lost` tasks have no bound on
+    their response, `endless` ones none on their jitter; `unknown` are woken, and `stuck` wait, for something lost."""
+
+    nodes: tuple[NodeTasks, ...]
+    known: Mapping[str, int | None]
+    lost: frozenset[str]
+    endless: frozenset[str]
+    unknown: frozenset[str]
+    stuck: frozenset[str]
+
+    @property
+    def settled(self) -> tuple[object, ...]:
+        """What does not change any more at the fixed point."""
+        return self.nodes, self.known, self.unknown, self.stuck
+
+
+def _next(
+    state: _State,
+    nodes: Sequence[NodeTasks],
+    wakers: Wakers,
+    results: Sequence[Analysis | None],
+    waiting: bool,
+) -> _State:
+    """Jitters and waits only rise, so a response once without a bound stays so, whatever is left out for it later."""
+    responses = {r.task: r.wcrt for analysis in results if analysis for r in analysis.results}
+    tasks = [placed for node in nodes for placed in node.tasks]
+    forever = {one.task.name for one in tasks if one.waits and _waits_forever(one, responses.get(one.task.name))}
+    lost = state.lost | {name for name, response in responses.items() if response is None} | forever
+    known = {name: response for name, response in responses.items() if name not in lost}
+    updated = tuple(
+        changed(node, tasks=tuple(_with_jitter(one, wakers, known) for one in node.tasks)) for node in nodes
+    )
+    endless = state.endless | {one.task.name for node in updated for one in node.tasks if _endless(one, wakers)}
+    woken = {name for name, ws in wakers.items() if name in endless or any(w.response(known) is None for w in ws)}
+    stuck = {
+        one.task.name
+        for one in tasks
+        if one.waits and (one.task.name in lost or any(task in lost for w in one.waits for task, _ in w.servers))
+    }
+    return _State(updated, known if waiting else {}, lost, endless, frozenset(woken), frozenset(stuck))
+
+
+def _waits_forever(placed: PlacedTask, response: int | None) -> bool:
+    """Whether a task that waits responds so late that it surely will not settle."""
+    periods = [placed.task.period, *(period for wait in placed.waits for _, period in wait.servers)]
+    return response is not None and response > PENDING * max(periods)
+
+
+def _waiting(nodes: Sequence[NodeTasks]) -> frozenset[str]:
+    return frozenset(placed.task.name for node in nodes for placed in node.tasks if placed.waits)
+
+
+def _told(state: _State) -> tuple[NodeTasks, ...]:
+    """The tasks with how long each of their waits lasts at most."""
+    if not _waiting(state.nodes):
+        return state.nodes
+    jitters = _jitters(state.nodes)
+    return tuple(
+        changed(node, tasks=tuple(_with_times(one, wait_times(one, jitters, state.known)) for one in node.tasks))
+        for node in state.nodes
+    )
+
+
+def _with_times(placed: PlacedTask, times: Mapping[str, int]) -> PlacedTask:
+    return changed(placed, waits=tuple(changed(wait, time=times[wait.label]) for wait in placed.waits))
+
+
+def _jitters(nodes: Sequence[NodeTasks]) -> dict[str, int]:
+    return {placed.task.name: placed.task.jitter for node in nodes for placed in node.tasks}
+
+
+def _analyse(node: NodeTasks, platform: Platform, method: Method, known: Mapping[str, int | None]) -> Analysis | None:
     if not node.tasks:
         return None
-    return analyse(on_platform([placed.task for placed in node.tasks], platform), method)
+    tasks = on_platform([placed.task for placed in node.tasks], platform)
+    waiting = {placed.task.name: placed for placed in node.tasks if placed.waits}
+    if waiting:
+        jitters = _jitters((node,))
+        tasks = tuple(
+            suspended(placed, task, wait_times(placed, jitters, known), known.get(task.name) or 0)
+            if (placed := waiting.get(task.name)) is not None
+            else task
+            for task in tasks
+        )
+    return analyse(tasks, method)
 
 
 def _wakers(deployment: Deployment, nodes: Sequence[NodeTasks]) -> Wakers:
@@ -144,15 +223,16 @@ def _endless(placed: PlacedTask, wakers: Wakers) -> bool:
     return bool(known) and placed.task.jitter > PENDING * max(placed.task.period, *known)
 
 
-def _withdraw(analysis: Analysis, unknown: set[str]) -> Analysis:
-    """The analysis without the responses that rest on arrivals of unknown number."""
-    priorities = [task.priority for task in analysis.tasks if task.name in unknown]
-    if not priorities:
-        return analysis
-    results = tuple(
-        changed(r, wcrt=None, reason=r.reason or Reason.ARRIVALS)
-        if analysis.task(r.task).priority <= max(priorities)
-        else r
-        for r in analysis.results
-    )
-    return changed(analysis, results=results)
+def _withdraw(analysis: Analysis, state: _State) -> Analysis:
+    """The analysis without the responses that rest on arrivals of unknown number, or on waits without a bound."""
+    results = analysis.results
+    for names, reason in ((state.unknown, Reason.ARRIVALS), (state.stuck, Reason.WAITS)):
+        priorities = [task.priority for task in analysis.tasks if task.name in names]
+        if priorities:
+            results = tuple(
+                changed(r, wcrt=None, reason=r.reason or reason)
+                if analysis.task(r.task).priority <= max(priorities)
+                else r
+                for r in results
+            )
+    return analysis if results == analysis.results else changed(analysis, results=results)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 
+from mauve.model.calls import serves
 from mauve.model.model import (
     Architecture,
     CallMethod,
@@ -14,6 +15,7 @@ from mauve.model.model import (
     RegionId,
     Role,
     RunCodel,
+    RunsIn,
     State,
     Step,
 )
@@ -29,15 +31,38 @@ class Service:
     provider: Instance
     operation: Operation
 
+    @property
+    def waits(self) -> bool:
+        """Whether a call waits for the provider's task."""
+        return self.operation.runs is RunsIn.OWNER
 
-Services = Mapping[Endpoint, Service]
-"""The operation behind each connected method."""
+    @property
+    def codel(self) -> CodelId:
+        """What carries the operation out."""
+        return CodelId(self.provider.component.name, self.operation.codel)
+
+    def __str__(self) -> str:
+        return f"{self.provider.name}.{self.operation.name}"
+
+
+@record
+class Services:
+    """The operation behind each connected method, and per instance the operations that its own task carries out for
+    those who call them."""
+
+    by_method: Mapping[Endpoint, Service]
+    asked: Mapping[str, tuple[Operation, ...]]
+
+    def find(self, instance: str, method: str) -> Service | None:
+        """The operation behind a method; None for one that leads nowhere (MV210 was reported)."""
+        return self.by_method.get(Endpoint(instance, method))
 
 
 @record
 class Use:
     """A step of `region` that executes a codel; `provider` is the instance called, empty for a codel of its own.
-    `when` says in words where it stands; `reads` and `writes` are the instance's data that it touches."""
+    `when` says in words where it stands; `reads` and `writes` are the instance's data that it touches. Where it
+    `waits`, the provider's task executes the codel of its `operation`."""
 
     codel: CodelId
     region: RegionId
@@ -46,6 +71,8 @@ class Use:
     provider: str
     reads: tuple[str, ...]
     writes: tuple[str, ...]
+    waits: bool = False
+    operation: str = ""
 
 
 def services(architecture: Architecture) -> Services:
@@ -57,31 +84,44 @@ def services(architecture: Architecture) -> Services:
         for operation in provider.component.operations:
             if operation.name == connection.provider.name:
                 found[connection.caller] = Service(provider, operation)
-    return found
+    asked: dict[str, dict[str, Operation]] = {}
+    for service in found.values():
+        if service.waits:
+            asked.setdefault(service.provider.name, {})[service.operation.name] = service.operation
+    return Services(found, {owner: tuple(operations.values()) for owner, operations in asked.items()})
 
 
-def executed(step: Step, instance: Instance, connected: Services) -> tuple[CodelId, str] | None:
-    """The codel that a step executes in the task of `instance`, and the instance it calls (empty for none); None for a
-    method that leads nowhere (MV210 was reported)."""
-    match step:
-        case RunCodel(codel=codel):
-            return CodelId(instance.component.name, codel), ""
-        case CallMethod(method=method):
-            service = connected.get(Endpoint(instance.name, method))
-            if service is None:
-                return None
-            return CodelId(service.provider.component.name, service.operation.codel), service.provider.name
+def called(step: Step, instance: Instance, connected: Services) -> Service | None:
+    """The operation that a step of `instance` calls; None for another step, or a method that leads nowhere."""
+    return connected.find(instance.name, step.method) if isinstance(step, CallMethod) else None
+
+
+def served(state: State, instance: Instance, connected: Services) -> tuple[Operation, ...]:
+    """The operations that an activation in a state of the owner carries out for those who wait."""
+    asked = connected.asked.get(instance.name, ())
+    return tuple(operation for operation in asked if serves(state, instance.component, operation))
 
 
 def uses(instance: Instance, connected: Services) -> Iterator[Use]:
-    """Every codel that the regions of an instance execute, once per place."""
+    """Every codel that the regions of an instance execute, once per place, and those that they wait for."""
+    component = instance.component
     for id_, region in region_ids(instance):
         for state in region.states:
             for when, steps in _places(state):
                 for step in steps:
-                    found = executed(step, instance, connected)
-                    if found is not None:
-                        yield Use(found[0], id_, when, step.span, found[1], *_touched(step, instance))
+                    touched = _touched(step, instance)
+                    service = called(step, instance, connected)
+                    if service is not None:
+                        provider, asked = service.provider.name, service.operation.name
+                        yield Use(service.codel, id_, when, step.span, provider, *touched, service.waits, asked)
+                    elif isinstance(step, RunCodel):
+                        yield Use(CodelId(component.name, step.codel), id_, when, step.span, "", *touched)
+            for operation in served(state, instance, connected):
+                codel = component.codel(operation.codel)
+                own = {port.name for port in component.ports} | {datum.name for datum in component.data}
+                reads, writes = (tuple(n for n in names if n in own) for names in (codel.reads, codel.writes))
+                when = f"for the requests of `{state.name}`"
+                yield Use(CodelId(component.name, codel.name), id_, when, operation.span, "", reads, writes)
 
 
 def _places(state: State) -> Iterator[tuple[str, tuple[Step, ...]]]:

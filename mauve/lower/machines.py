@@ -7,13 +7,19 @@ start pseudo-state pays the entry of the initial state. Orthogonal regions are m
 A nested region has an inactive state. In an activation in which its parent is entered it pays the entry of its initial
 state; in one in which its parent is left, at most its own step and the exit of its state; in one between which and the
 last its parent was left and entered again, both.
+
+Operations that run in their owner: each activation of a region that serves them, the first one included, carries out
+all requests that wait. A task that calls waits for the answer, so of each at most one waits (`requests`). The call
+itself costs two more context switches; how long the caller waits is no cost of the machine but a part of its own,
+labelled `wait for OWNER.OPERATION`, which `suspension.py` fills in.
 """
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 
-from mauve.lower.calls import Services, executed, services
+from mauve.lower.calls import Services, called, served, services, uses
 from mauve.model.model import (
     CodelId,
     DataConnection,
@@ -41,6 +47,14 @@ INACTIVE = "(inactive)"
 Times = Mapping[CodelId, int]
 """Picoseconds per codel."""
 
+Callers = Mapping[str, Mapping[str, frozenset[str]]]
+"""Per owner and task that calls it, the operations it waits for."""
+
+
+def wait_label(operation: str) -> str:
+    """What the wait for `owner.operation` is called among the parts of a transition."""
+    return f"wait for {operation}"
+
 
 @record
 class Machine:
@@ -56,13 +70,15 @@ class Machine:
 class _Costs:
     """What steps cost in a region of an instance; `waiting` counts the messages that may wait at each of its in-ports,
     `producers` are the instances at the other ends of the connections that lead to them, one per thread that executes
-    a part of them (`in_threads`)."""
+    a part of them (`in_threads`). `callers` are the tasks that wait for its operations, `switch` a context switch."""
 
     instance: Instance
     connected: Services
     times: Times
     producers: tuple[tuple[DataConnection, tuple[Instance, ...]], ...]
     waiting: Mapping[str, int]
+    callers: Mapping[str, frozenset[str]]
+    switch: int
 
     def every(self, period: int | None) -> _Costs:
         """The costs in a region that is activated with this period."""
@@ -71,17 +87,44 @@ class _Costs:
     def parts(self, steps: tuple[Step, ...]) -> Iterator[CostPart]:
         """The cost of each step. Raises KeyError for a codel without a time."""
         for step in steps:
-            found = executed(step, self.instance, self.connected)
-            if found is not None:
-                yield CostPart(str(found[0]), self.times[found[0]])
+            service = called(step, self.instance, self.connected)
+            if isinstance(step, RunCodel):
+                yield self._codel(CodelId(self.instance.component.name, step.codel))
+            elif service is not None and service.waits:
+                yield CostPart(wait_label(str(service)), 0)
+                if self.switch:
+                    yield CostPart("context switches of a wait", 2 * self.switch)
+            elif service is not None:
+                yield self._codel(service.codel)
+
+    def _codel(self, codel: CodelId, count: int = 1) -> CostPart:
+        return CostPart(str(codel), count * self.times[codel], count)
 
     def activation(self, state: State) -> Iterator[CostPart]:
         """Message, method and run steps of a state, the message handlers once per message that may wait."""
         for step in state.steps(Role.MESSAGE):
             count = self._messages(step)
             for part in self.parts((step,)):
-                yield CostPart(part.label, part.cost * count, count)
-        yield from self.parts((*state.steps(Role.METHOD), *state.steps(Role.RUN)))
+                yield changed(part, cost=part.cost * count, count=part.count * count)
+        yield from self.requests(state)
+        yield from self.parts(state.steps(Role.RUN))
+
+    def requests(self, state: State) -> Iterator[CostPart]:
+        """The method steps of a state: those that are codels of operations once per task that waits for one of them
+        (the dearest it may ask for), any other as often as there are such tasks, once where there is none."""
+        component = self.instance.component
+        codels = {operation.name: CodelId(component.name, operation.codel) for operation in component.operations}
+        here = {operation.name for operation in served(state, self.instance, self.connected)}
+        asked = [names & here for names in self.callers.values() if names & here]
+        dearest = [max((codels[n] for n in names), key=lambda one: (self.times[one], str(one))) for names in asked]
+        carried = {codels[name].codel for names in asked for name in names}
+        count = max(1, len(asked))
+        for step in state.steps(Role.METHOD):
+            if not isinstance(step, RunCodel) or step.codel not in carried:
+                for part in self.parts((step,)):
+                    yield changed(part, cost=part.cost * count, count=part.count * count)
+        for codel, times in Counter(dearest).items():
+            yield self._codel(codel, times)
 
     def guards(self, tried: tuple[Transition, ...]) -> Iterator[CostPart]:
         """The guards of the transitions tried."""
@@ -101,6 +144,8 @@ def build_machines(deployment: Deployment, times: Times) -> dict[str, tuple[Mach
     connected = services(architecture)
     instances = {instance.name: instance for instance in architecture.instances}
     threads = placement(deployment)
+    callers = waiting_tasks(deployment, connected)
+    switch = max((node.board.context_switch for node in deployment.nodes), default=0)
     incoming: dict[str, list[tuple[DataConnection, tuple[Instance, ...]]]] = {}
     for connection in architecture.data:
         pair = connection, in_threads(instances[connection.source.instance], threads, instances)
@@ -110,13 +155,31 @@ def build_machines(deployment: Deployment, times: Times) -> dict[str, tuple[Mach
         if not instance.active:
             continue
         latest = max((one.jitter for one in in_threads(instance, threads, instances)), default=0)
-        costs = _Costs(changed(instance, jitter=latest), connected, times, tuple(incoming.get(instance.name, ())), {})
+        costs = _Costs(
+            changed(instance, jitter=latest), connected, times, tuple(incoming.get(instance.name, ())), {},
+            callers.get(instance.name, {}), switch,
+        )  # fmt: skip
         try:
             regions = instance.component.regions
             built[instance.name] = tuple(m for region in regions for m in _machines(region, (), costs, threads))
         except KeyError:
             built[instance.name] = None
     return built
+
+
+def waiting_tasks(deployment: Deployment, connected: Services) -> Callers:
+    """The tasks that wait for operations of each owner: the threads of the regions that call them, or the instances
+    where there are none."""
+    threads = placement(deployment)
+    found: dict[str, dict[str, frozenset[str]]] = {}
+    for instance in deployment.architecture.instances if connected.asked else ():
+        for use in uses(instance, connected):
+            if use.waits:
+                thread = threads.get(use.region)
+                task = thread.name if thread is not None else instance.name
+                asked = found.setdefault(use.provider, {})
+                asked[task] = asked.get(task, frozenset()) | {use.operation}
+    return found
 
 
 def waiting_messages(
@@ -166,8 +229,10 @@ def _machines(
 
 def _psm(name: str, region: Region, costs: _Costs, nested: bool, again: bool) -> Psm:
     states = {state.name: state for state in region.states}
-    entry = tuple(costs.parts(states[region.initial].steps(Role.ENTRY)))
-    transitions = [_arc(INACTIVE if nested else START, region.initial, entry, "entry")]
+    initial = states[region.initial]
+    entry = tuple(costs.parts(initial.steps(Role.ENTRY)))
+    requests = tuple(costs.requests(initial)) if served(initial, costs.instance, costs.connected) and not nested else ()
+    transitions = [_arc(INACTIVE if nested else START, region.initial, (*entry, *requests), "entry")]
     if nested:
         transitions.append(_arc(INACTIVE, INACTIVE, (), "parent not active"))
     for state in region.states:

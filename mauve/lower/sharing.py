@@ -65,7 +65,7 @@ def _touched(instance: Instance, use: Use, instances: Mapping[str, Instance]) ->
     for names, writes in ((use.reads, False), (use.writes, True)):
         yield from ((instance.name, name, writes, False) for name in names)
     provider = instances.get(use.provider)
-    if provider is None or provider.component.kind is not ComponentKind.ACTIVE:
+    if use.waits or provider is None or provider.component.kind is not ComponentKind.ACTIVE:
         return
     codel = provider.component.codel(use.codel.codel)
     component = provider.component

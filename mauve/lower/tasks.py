@@ -10,6 +10,7 @@ from mauve.lower.calls import Services, services
 from mauve.lower.machines import Machine
 from mauve.lower.placed import NodeTasks, PlacedTask
 from mauve.lower.sharing import Shared, check_races, data_sections, shared_data, task_uses
+from mauve.lower.suspension import with_calls
 from mauve.lower.threads import Machines, exchange_cost, thread_tasks
 from mauve.model.model import CodelId, DataConnection, Deployment, Instance, Node
 from mauve.model.periods import common_period, instance_period
@@ -45,6 +46,7 @@ def task_sets(
     every = [placed for draft in drafts for placed in draft.tasks]
     shared = shared_data(every, connected, instances)
     check_races(shared, every, instances, report)
+    drafts = _with_waits(drafts, every, connected, shared, report)
     return tuple(_with_blocking(draft, deployment, connected, shared, times) for draft in drafts)
 
 
@@ -131,6 +133,17 @@ def _check_nodes(drafts: Sequence[NodeTasks], connected: Services, report: Repor
                     report.add(Diagnostic("MV407", message, Label(placed.span), help=help_))
 
 
+def _with_waits(
+    drafts: list[NodeTasks], every: Sequence[PlacedTask], connected: Services, shared: Shared, report: Report
+) -> list[NodeTasks]:
+    """The tasks with the operations they wait for; a call that cannot be analysed leaves the deployment incomplete."""
+    waiting, sound = with_calls(every, connected, shared, report)
+    found = {one.task.name: one for one in waiting}
+    return [
+        changed(d, tasks=tuple(found[one.task.name] for one in d.tasks), complete=d.complete and sound) for d in drafts
+    ]
+
+
 def _with_blocking(
     draft: NodeTasks, deployment: Deployment, connected: Services, shared: Shared, times: Mapping[CodelId, int]
 ) -> NodeTasks:
@@ -160,7 +173,7 @@ def _with_blocking(
 def _operations(placed: PlacedTask, connected: Services, times: Mapping[CodelId, int]) -> Iterator[Section]:
     """The operations that a task runs, each in the critical section of its provider."""
     for instance, use in task_uses(placed, connected):
-        if use.provider and use.codel in times:
+        if use.provider and not use.waits and use.codel in times:
             what = f"`{use.codel}` of `{use.provider}`"
             yield Section(use.provider, instance.name, what, times[use.codel], str(use.codel))
 

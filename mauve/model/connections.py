@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 
 from mauve.diagnostics.diagnostic import Applicability, Diagnostic, Edit, Fix, Label, Report, Severity
+from mauve.model.calls import check_calls
 from mauve.model.model import (
     CallMethod,
     Component,
@@ -17,7 +18,6 @@ from mauve.model.model import (
     Port,
     PortKind,
     Region,
-    RunsIn,
     ServiceConnection,
 )
 from mauve.model.names import unknown
@@ -91,6 +91,7 @@ def resolve_connections(
                 if service is not None and _method_free(service, services, report):
                     services[service.caller] = service
     check_queues(tuple(data.values()), instances, report)
+    check_calls(tuple(services.values()), instances, report)
     _check_unconnected(instances, tuple(data.values()), external, touched, report)
     return tuple(data.values()), tuple(services.values())
 
@@ -229,12 +230,6 @@ def _service(item: ast.ConnectDecl, source: _End, target: _End, report: Report) 
         )
         message = f"the method `{method.name}` and the operation `{operation.name}` have different signatures"
         report.add(Diagnostic("MV207", message, Label(source.span.to(target.span)), labels=labels))
-        return None
-    if operation.runs is RunsIn.OWNER:
-        owner = Label(operation.span, "it runs in the task of its owner")
-        message = f"the wait for `{target.endpoint}` is not analysed, so `{source.endpoint}` cannot call it"
-        help_ = Fix("let it run in its caller (`runs in caller`), or exchange request and answer through ports")
-        report.add(Diagnostic("MV311", message, Label(source.span.to(target.span)), labels=(owner,), help=help_))
         return None
     return ServiceConnection(source.endpoint, target.endpoint, source.span.to(target.span))
 

@@ -11,7 +11,7 @@ from mauve.lower.placed import PlacedTask
 from mauve.timing.bill import Bill, BillLine, deadline_bill, worst_bill
 from mauve.timing.response import Analysis, ResponseResult
 from mauve.timing.task import Kind, Task, trace_length
-from mauve.verdict.result import CheckResult, DeploymentResult, NodeResult
+from mauve.verdict.result import CheckResult, DeploymentResult, NodeResult, executed
 from mauve.wcet import serialize
 from mauve.wcet.result import WcetResult
 
@@ -83,7 +83,7 @@ def _node(node: NodeResult, complete: bool) -> dict[str, object]:
         "core": board.core,
         "frequency_hz": board.hertz,
         "context_switch_ps": board.context_switch,
-        "load": sum(float(task.load) for task in analysis.tasks) if analysis else None,
+        "load": sum(float(task.interferer.load) for task in analysis.tasks) if analysis else None,
         "method": analysis.method.value if analysis else None,
         "components": [_component(placed, analysis, complete) for placed in node.tasks.tasks] if analysis else [],
         "overheads": [_overhead(task) for task in analysis.tasks if task.kind is not Kind.TASK] if analysis else [],
@@ -103,7 +103,7 @@ def _overhead(task: Task) -> dict[str, object]:
 def _component(placed: PlacedTask, analysis: Analysis, complete: bool) -> dict[str, object]:
     task = placed.task
     result = analysis.result(task.name)
-    analysed = analysis.task(task.name)
+    analysed = executed(placed, analysis)
     length = min(TRACE_LENGTH, trace_length(task, [t for t in analysis.tasks if t.kind is Kind.TASK]))
     return {
         "name": task.name,
@@ -115,6 +115,7 @@ def _component(placed: PlacedTask, analysis: Analysis, complete: bool) -> dict[s
         "deadline_default": bool(placed.deadline.default),
         "jitter_ps": task.jitter,
         "blocking_ps": analysed.blocking,
+        "waits": [{"operation": wait.operation, "wait_ps": wait.time} for wait in placed.waits],
         "load": float(analysed.load),
         "trace_ps": list(analysed.trace(length)),
         **_response(result, complete),

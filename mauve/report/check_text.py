@@ -12,7 +12,7 @@ from mauve.report.table import Align, Cell, Column, Row, format_table
 from mauve.timing.response import Analysis, Method
 from mauve.timing.task import Kind, Task, trace_length
 from mauve.units import format_time
-from mauve.verdict.result import CheckResult, DeploymentResult, NodeResult
+from mauve.verdict.result import CheckResult, DeploymentResult, NodeResult, executed
 
 TRACE_RUNS = 3
 """How many runs of equal elements a table shows of a trace."""
@@ -121,7 +121,7 @@ def _node(node: NodeResult, result: DeploymentResult, style: Style, limit: int |
         return [f"  node {node.tasks.node.name}: nothing to analyse"]
     rows = [_task(placed, analysis, result.complete) for placed in node.tasks.tasks]
     rows += [_overhead(task) for task in analysis.tasks if task.kind is not Kind.TASK]
-    total = sum(float(task.load) for task in analysis.tasks)
+    total = sum(float(task.interferer.load) for task in analysis.tasks)
     name = node.tasks.node.name
     rows.append((Cell(f"load of {name}", Role.MESSAGE), "", "", "", "", Cell(percent(total), Role.MESSAGE), "", "", ""))
     switch = node.tasks.node.board.context_switch
@@ -147,8 +147,8 @@ def _task(placed: PlacedTask, analysis: Analysis, complete: bool) -> Row:
         format_time(task.period),
         f"{task.priority}{'*' if placed.priority.default else ''}",
         f"{format_time(task.deadline)}{'*' if placed.deadline.default else ''}",
-        _trace(analysis.task(task.name), analysis),
-        percent(float(analysis.task(task.name).load)),
+        _trace(executed(placed, analysis), analysis),
+        percent(float(executed(placed, analysis).load)),
         wcrt,
         slack,
         verdict,

@@ -7,9 +7,9 @@ from collections.abc import Iterator, Sequence
 from mauve.model.print import format_model
 from mauve.syntax.print import format_ast
 from mauve.timing.psm import format_psm
-from mauve.timing.task import Kind, trace_length
+from mauve.timing.task import trace_length
 from mauve.units import format_time
-from mauve.verdict.result import CheckResult, DeploymentResult
+from mauve.verdict.result import CheckResult, DeploymentResult, executed
 
 
 def emit(stage: str, result: CheckResult) -> str:
@@ -44,7 +44,7 @@ def _traces(result: DeploymentResult) -> Iterator[str]:
     for node in result.nodes:
         if node.analysis is None:
             continue
-        tasks = [task for task in node.analysis.tasks if task.kind is Kind.TASK]
+        tasks = [executed(placed, node.analysis) for placed in node.tasks.tasks]
         for task in tasks:
             trace = task.trace(min(64, trace_length(task, tasks)))
             yield f"  {task.name}: " + ", ".join(format_time(e) for e in trace)

@@ -29,7 +29,7 @@ def report_node(deployment: Deployment, node: NodeTasks, analysis: Analysis, rep
         report.add(_overload(deployment, node, analysis, overloaded[0], severity))
     for placed in node.tasks:
         result = analysis.result(placed.task.name)
-        if result.reason in (Reason.FULL_LOAD, Reason.LIMIT, Reason.ARRIVALS):
+        if result.reason in (Reason.FULL_LOAD, Reason.LIMIT, Reason.ARRIVALS, Reason.WAITS):
             report.add(_unbounded(deployment, placed, result, severity))
         elif not result.schedulable:
             report.add(_missed(deployment, placed, analysis, result, severity))
@@ -50,9 +50,9 @@ def report_expectation(deployment: Deployment, holds: bool, complete: bool, repo
 def _overload(
     deployment: Deployment, node: NodeTasks, analysis: Analysis, result: ResponseResult, severity: Severity
 ) -> Diagnostic:
-    total = sum(float(task.load) for task in analysis.tasks)
+    total = sum(float(task.interferer.load) for task in analysis.tasks)
     lines = [
-        f"{100 * float(task.load):6.1f} %  {task.name}"
+        f"{100 * float(task.interferer.load):6.1f} %  {task.name}"
         for name in result.responsible
         for task in analysis.tasks
         if task.name == name

@@ -10,11 +10,12 @@ from collections.abc import Mapping
 from mauve.diagnostics.diagnostic import Report
 from mauve.lower.codels import CodelTime
 from mauve.lower.machines import Machine
-from mauve.lower.placed import NodeTasks
+from mauve.lower.placed import NodeTasks, PlacedTask
 from mauve.model.model import Deployment, Model
-from mauve.records import record
+from mauve.records import changed, record
 from mauve.syntax.ast import Module
-from mauve.timing.response import Analysis
+from mauve.timing.response import Analysis, as_seen
+from mauve.timing.task import Task
 
 
 @record
@@ -23,6 +24,15 @@ class NodeResult:
 
     tasks: NodeTasks
     analysis: Analysis | None
+
+
+def executed(placed: PlacedTask, analysis: Analysis) -> Task:
+    """A task as analysed, without what it waits for: its trace and its load are what the processor does for it."""
+    analysed = analysis.task(placed.task.name)
+    if analysed.outside is None:
+        return analysed
+    plain = changed(placed.task, overhead=analysed.overhead, blocking=analysed.blocking)
+    return as_seen([plain], analysis.method)[0]
 
 
 @record

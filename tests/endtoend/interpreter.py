@@ -24,6 +24,7 @@ from mauve.model.model import (
     Region,
     Role,
     RunCodel,
+    RunsIn,
     State,
     Step,
     Thread,
@@ -86,6 +87,21 @@ class _Job:
     writes: set[Endpoint] = field(default_factory=set)
     started: bool = False
     inside: bool = False
+    waits: bool = False
+    asked: list[_Request] = field(default_factory=list)
+    answers: list[_Request] = field(default_factory=list)
+
+
+@dataclass(slots=True, eq=False)
+class _Request:
+    """A call that waits for the owner of its operation."""
+
+    target: Endpoint
+    caller: _Job
+
+
+CALL = -2
+"""In place of a ceiling: the segment is a wait for the answer to a call."""
 
 
 class Simulation:
@@ -101,7 +117,10 @@ class Simulation:
         self.fifo = self.random.random() < 0.5
         self.together = self.random.random() < 0.4
         self.ambush = self.random.random() < 0.5
+        self.late = self.random.random() < 0.3
         self.hidden: list[_Task] = []
+        self.requests: list[_Request] = []
+        self.calls: dict[int, Endpoint] = {}
         self.instances = {instance.name: instance for instance in deployment.architecture.instances}
         self.services = {c.caller: c.provider for c in deployment.architecture.services}
         self.pending: dict[str, set[str]] = {name: set() for name in self.instances}
@@ -187,7 +206,8 @@ class Simulation:
                 for step in _all_steps(machine.region):
                     if isinstance(step, CallMethod):
                         target = self.services[Endpoint(machine.instance.name, step.method)]
-                        self._raise(target.instance, task.priority)
+                        if not self._in_owner(target):
+                            self._raise(target.instance, task.priority)
                     for datum, writes, called in self._touches(machine.instance, step):
                         touched.setdefault(datum, []).append((task, writes, called))
         self.shared: dict[Endpoint, int] = {}
@@ -217,13 +237,18 @@ class Simulation:
                     yield Endpoint(instance.name, result), True, False
                 target = self.services[Endpoint(instance.name, method)]
                 provider = self.instances[target.instance]
-                if provider.component.kind is not ComponentKind.ACTIVE:
+                if provider.component.kind is not ComponentKind.ACTIVE or self._in_owner(target):
                     return
                 operation = next(o for o in provider.component.operations if o.name == target.name)
                 codel = provider.component.codel(operation.codel)
                 own = {p.name for p in provider.component.ports} | {d.name for d in provider.component.data}
                 yield from ((Endpoint(provider.name, d), False, True) for d in codel.reads if d in own)
                 yield from ((Endpoint(provider.name, d), True, True) for d in codel.writes if d in own)
+
+    def _in_owner(self, target: Endpoint) -> bool:
+        """Whether an operation is carried out by its owner's task."""
+        operations = self.instances[target.instance].component.operations
+        return any(o.name == target.name and o.runs is RunsIn.OWNER for o in operations)
 
     # ------------------------------------------------------------------------------------------ one activation
     def _time(self, wcet: int) -> int:
@@ -245,6 +270,9 @@ class Simulation:
                     writes = set(component.codel(codel).writes)
                 case CallMethod(method=method, result=result):
                     target = self.services[Endpoint(instance.name, method)]
+                    if self._in_owner(target):
+                        total += self._ask(target, job)
+                        continue
                     ceiling = max(ceiling, self.ceilings[target.instance])
                     component = self.instances[target.instance].component
                     name = next(o.codel for o in component.operations if o.name == target.name)
@@ -255,6 +283,37 @@ class Simulation:
             job.writes |= {Endpoint(instance.name, port) for port in outs & writes}
             total += cost
         return total
+
+    def _ask(self, target: Endpoint, job: _Job) -> int:
+        """A call that waits: away from the task and back to it, and what the switches cost."""
+        switch = self.node.board.context_switch
+        wait = [0, CALL]
+        self.calls[id(wait)] = target
+        job.segments += [[switch, -1], wait, [switch, -1]]
+        return 2 * switch
+
+    def _serve(self, machine: _Machine, state: State, job: _Job, first: bool = False) -> int:
+        """Carry out the requests that this state serves; without any, its method steps run or do not, except in the
+        `first` activation."""
+        component = machine.instance.component
+        steps = self._steps(state, Role.METHOD)
+        codels = {operation.codel for operation in component.operations}
+        named = {step.codel for step in steps if isinstance(step, RunCodel)}
+        general = tuple(s for s in steps if not isinstance(s, RunCodel) or s.codel not in codels)
+        waiting = self.requests if self.late else [one for one in job.asked if one in self.requests]
+        cost, served = 0, False
+        for request in list(waiting) if steps else []:
+            operation = next((o for o in component.operations if o.name == request.target.name), None)
+            if operation is None or request.target.instance != machine.instance.name:
+                continue
+            if general or operation.codel in named:
+                self.requests.remove(request)
+                job.answers.append(request)
+                cost += self._execute((*general, RunCodel(operation.codel, operation.span)), machine, job)
+                served = True
+        if not served and not first and self.random.random() < 0.5:
+            cost += self._execute(general, machine, job)
+        return cost
 
     def _steps(self, state: State, role: Role) -> tuple[Step, ...]:
         """The steps that a role executes at an activation; those of `once` activities belong to the entry."""
@@ -271,7 +330,10 @@ class Simulation:
         epoch = parent.epoch if parent is not None else 0
         initial = next(s for s in machine.region.states if s.name == machine.region.initial)
         if machine.state is None:
-            return self._enter(machine, initial, job, now, epoch) if inside else 0
+            if not inside:
+                return 0
+            cost = self._enter(machine, initial, job, now, epoch)
+            return cost + (self._serve(machine, initial, job, True) if parent is None else 0)
         if parent is None or (inside and epoch == machine.parent_epoch):
             return self._fire(machine, machine.state, job, now)
         cost = 0
@@ -296,7 +358,7 @@ class Simulation:
             count = sum(copied[port] for port in named or copied)
             for _ in range(count or self.random.randint(0, 1)):
                 cost += self._execute((step,), machine, job)
-        cost += self._execute(self._steps(state, Role.METHOD), machine, job)
+        cost += self._serve(machine, state, job)
         return cost + self._execute(self._steps(state, Role.RUN), machine, job)
 
     def _fire(self, machine: _Machine, state: State, job: _Job, now: int) -> int:
@@ -366,6 +428,7 @@ class Simulation:
         if task.sporadic:
             job.due = list(task.machines)
         task.number += 1
+        job.asked = list(self.requests)
         sizes = {(c.source, c.target): c.size for c in self.deployment.architecture.data}
         for machine in job.due:
             ports = [p.name for p in machine.instance.component.ports if p.kind is not PortKind.OUT]
@@ -411,8 +474,10 @@ class Simulation:
         own = [task for task in self.tasks if not (task.sporadic and self._woken(task))]
         if self.ambush and len(own) > 1:
             first = min(own, key=lambda task: task.priority) if self.fifo else self.random.choice(own)
-            self.hidden = [task for task in own if task is not first]
-            own = [first]
+            owners = {target.instance for target in self.services.values() if self._in_owner(target)}
+            serving = [t for t in own if t is not first and any(i.name in owners for i in t.instances)]
+            self.hidden = [task for task in own if task is not first and task not in serving]
+            own = [first, *serving]
             self._at(horizon // 4, "now")
         for task in own:
             self._arrive(task, 0 if self.together else self.random.randrange(task.period), horizon)
@@ -464,7 +529,7 @@ class Simulation:
                     what.task.queue.append(what)
                     ready.append(what)
             until = self.events[0][0] if self.events else None
-            if not ready and not kernel:
+            if not kernel and all(job.waits or job.task is None or job.task.queue[0] is not job for job in ready):
                 if until is None or until > horizon:
                     break
                 now = until
@@ -477,6 +542,10 @@ class Simulation:
             if not job.started:
                 self._begin(job, now)
             segment = job.segments[0]
+            if segment[1] == CALL:
+                job.waits = True
+                self.requests.append(_Request(self.calls.pop(id(segment)), job))
+                continue
             if self.hidden and segment[0] > 1 and self.random.random() < 0.3:
                 assert job.task is not None
                 if segment[1] > job.task.priority:
@@ -499,6 +568,9 @@ class Simulation:
         task.queue.pop(0)
         self.seen.jobs += 1
         self.seen.responses[task.name] = max(self.seen.responses.get(task.name, 0), now - job.nominal)
+        for request in job.answers:
+            request.caller.waits = False
+            request.caller.segments.pop(0)
         self._publish(job, now)
         self.events.sort()
 
@@ -508,7 +580,7 @@ class Simulation:
         rank = (-1, False)
         for job in ready:
             assert job.task is not None
-            if job.task.queue[0] is not job:
+            if job.task.queue[0] is not job or job.waits:
                 continue
             priority = max(job.task.priority, job.segments[0][1]) if job.inside else job.task.priority
             if (priority, job.inside) > rank:

@@ -36,6 +36,8 @@ class Options:
     load: float = 0.75
     explicit: bool = False
     """Whether all priorities are written."""
+    calls: float = 0.0
+    """How often some operations run in their owners."""
 
 
 class Writer:
@@ -48,6 +50,8 @@ class Writer:
         self.components: list[_Component] = []
         self.own: dict[str, int] = {}
         self.sporadic: dict[str, bool] = {}
+        self.calling: list[tuple[int, int]] = []
+        self.chained = False
 
     def chance(self, probability: float) -> bool:
         """True this often."""
@@ -59,11 +63,12 @@ class Writer:
         self.threaded = self.chance(0.35)
         self.passive = self.random.randint(0, 2)
         self.queued = self.chance(0.5)
+        self.servers = self.random.randint(1, 2) if self.options.calls and self.chance(self.options.calls) else 0
         load = self.random.uniform(0.4, 1.1) * self.options.load / count
         for number in range(count):
             self.components.append(self._component(number, load))
-        text = ["mauve 1", "import std.lifecycle", *self._board(), *self._passive(), "external component World {",
-                "out port told: f64", "}"]  # fmt: skip
+        text = ["mauve 1", "import std.lifecycle", *self._board(), *self._passive(), *self._servers(),
+                "external component World {", "out port told: f64", "}"]  # fmt: skip
         for component in self.components:
             text += [f"component {component.name} {{", *component.lines, *component.behaviour, "}"]
         return "\n".join((*text, *self._architecture(), *self._deployment(), ""))
@@ -85,6 +90,29 @@ class Writer:
                       f"codel get reads value, kept returns f64 wcet {self.random.randint(5, 300)}us", "}"]  # fmt: skip
         return lines
 
+    def _servers(self) -> list[str]:
+        """Components whose own tasks carry out operations; the second may call the first."""
+        lines = []
+        for number in range(self.servers):
+            cost = self.random.randint(1, min(self.periods) // self.random.choice((100, 200, 400)))
+            again = number > 0 and self.chance(0.5)
+            method = self.random.choice((f"do_ask{number} then do_tell{number}", "look"))
+            run = f"w = ask0(v) then poll{number}" if again else f"poll{number}"
+            lines += [f"component Server{number} {{", "var v: f64", "var w: f64",
+                      f"operation ask{number}(value: f64): f64 = do_ask{number} runs in owner",
+                      f"operation tell{number}(value: f64) = do_tell{number} runs in owner",
+                      f"codel do_ask{number} reads value, v returns f64 wcet {cost}us",
+                      f"codel do_tell{number} reads value writes v wcet {self.random.randint(0, cost)}us",
+                      f"codel look wcet {self.random.randint(0, cost)}us", f"codel poll{number} wcet {cost}us",
+                      f"codel tired{number} returns bool wcet 1us",
+                      *(["method ask0(value: f64): f64"] if again else []),
+                      "behaviour {", "initial state Up {", f"method {method}", f"run {run}",
+                      f"-> Down when tired{number}", "}", "state Down {", f"method {method}",
+                      *([f"exit poll{number}"] if self.chance(0.5) else []),
+                      "-> Up", "}", "}", "}"]  # fmt: skip
+            self.chained = again
+        return lines
+
     # ------------------------------------------------------------------------------------------ components
     def _component(self, number: int, load: float) -> _Component:
         name = f"C{number}"
@@ -101,6 +129,11 @@ class Writer:
         for passive in range(self.passive):
             one.lines += [f"method put{passive}(value: f64)", f"method take{passive}(value: f64): f64"]
             one.methods += [f"put{passive}(v)", f"w = take{passive}(v)"]
+        for server in range(self.servers):
+            if self.chance(0.6):
+                self.calling.append((number, server))
+                one.lines += [f"method ask{server}(value: f64): f64", f"method tell{server}(value: f64)"]
+                one.methods += [f"w = ask{server}(v)", f"tell{server}(v)"]
         self._codels(one)
         self._behaviour(one)
         return one
@@ -212,6 +245,16 @@ class Writer:
         for number, one in enumerate(self.components):
             lines.append(f"instance i{number}: {one.name} {{ {self._attributes(one)} }}")
         lines += [f"instance store{n}: Store{n}" for n in range(self.passive)]
+        for server in range(self.servers):
+            period = min(self.periods) // (self.random.choice((2, 5, 10)) if not server or self.chained else 1)
+            rank = f" priority {self.random.randint(3, 9)}" if self.options.explicit or self.chance(0.75) else ""
+            late = f" jitter {period // 3}us" if self.chance(0.2) else ""
+            lines.append(f"instance server{server}: Server{server} {{ period {period}us{rank}{late} }}")
+        for number, server in self.calling:
+            for word in ("ask", "tell"):
+                lines.append(f"connect i{number}.{word}{server} -> server{server}.{word}{server}")
+        if self.chained:
+            lines.append("connect server1.ask0 -> server0.ask0")
         for number, one in enumerate(self.components):
             lines += self._connections(number, one)
         return [*lines, "}"]
@@ -277,7 +320,8 @@ class Writer:
     def _threads(self) -> list[str]:
         members = []
         for number, one in enumerate(self.components):
-            if len(one.regions) > 1 and self.chance(0.5):
+            calls = any(caller == number for caller, _ in self.calling)
+            if len(one.regions) > 1 and not calls and self.chance(0.5):
                 members += [f"i{number}.{region}" for region in one.regions]
             else:
                 members.append(f"i{number}")
@@ -288,6 +332,9 @@ class Writer:
             group, members = members[:size], members[size:]
             priority = f" priority {self.random.randint(1, 6)}" if self.options.explicit or self.chance(0.7) else ""
             threads.append(f"thread t{len(threads)}{priority} {{ {' '.join(group)} }}")
+        for server in range(self.servers):
+            priority = f" priority {self.random.randint(3, 9)}" if self.options.explicit or self.chance(0.7) else ""
+            threads.append(f"thread s{server}{priority} {{ server{server} }}")
         return threads
 
 

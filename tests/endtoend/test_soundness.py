@@ -35,6 +35,18 @@ def test_no_simulation_exceeds_a_bound(first: int) -> None:
             assert violations(found, 1000 * seed + run, most=200) == [], f"random_model({seed}), run {run}"
 
 
+def test_no_simulation_exceeds_a_bound_where_tasks_wait_for_others() -> None:
+    """Operations that run in their owners: queued, served by the next activation, answered at its end."""
+    bounded = 0
+    for seed in range(FIRST, FIRST + SYSTEMS // 2):
+        found = _checked(random_model(seed, Options(calls=1.0, load=0.4)))
+        responses = _responses(found)
+        bounded += sum(responses[one.task.name] < float("inf") for one in found.node.tasks if one.waits)
+        for run in range(2):
+            assert violations(found, 1000 * seed + run, most=150) == [], f"random_model({seed}, calls=1), run {run}"
+    assert bounded > 2
+
+
 def test_the_simulation_comes_close_to_the_bounds() -> None:
     """Else it would show nothing."""
     shares = []
