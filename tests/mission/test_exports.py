@@ -2,16 +2,29 @@
 
 from __future__ import annotations
 
+import json
+import os
 import re
+from pathlib import Path
 
+import jsonschema
 import pytest
 
+from mauve.mission.dot import graph_dot, net_dot
+from mauve.mission.graph import AlternativesGraph, MarkingsGraph
+from mauve.mission.graph_json import graph_document
 from mauve.mission.lola import complete, lola
+from mauve.mission.markings import markings_graph
 from mauve.mission.net import Level, Net, Transition
 from mauve.mission.pnml import pnml
+from mauve.mission.stable import alternatives_graph
+from mauve.mission.templates import build_net
 from mauve.mission.tina import tina
 
+from .coral import coral
 from .readers import Read, explore, read_lola, read_pnml, read_tina
+
+ROOT = Path(__file__).parents[2]
 
 PLACES = ("R.available", "R.free", "R.take", "R.answer", "R.busy", "R.failing free", "R.failing busy", "R.release",
           "R.error", "R.out")  # fmt: skip
@@ -89,3 +102,75 @@ def test_lola_names_stay_apart() -> None:
 def test_the_text_does_not_change_from_run_to_run(write: object) -> None:
     assert callable(write)
     assert write(SENSOR) == write(SENSOR)
+
+
+def coral_net() -> Net:
+    return build_net(coral())
+
+
+def coral_graph() -> AlternativesGraph:
+    graph = alternatives_graph(coral_net())
+    assert isinstance(graph, AlternativesGraph)
+    return graph
+
+
+def test_a_whole_mission_read_back_has_the_same_markings() -> None:
+    net = coral_net()
+    assert len(read_pnml(pnml(net))[1]) == len(net.transitions)
+    full = markings_graph(net)
+    assert isinstance(full, MarkingsGraph)
+    counts = (full.states, full.edges)
+    if os.environ.get("MAUVE_LONG"):
+        assert explore(plain(net)) == counts
+        assert explore(read_pnml(pnml(net))) == counts
+    assert explore(read_tina(tina(net))) == counts
+
+
+DOT_STATEMENT = re.compile(
+    r"""\s*(digraph\ \w+\ \{ | subgraph\ \w+\ \{ | \} |
+    (?:\w+(?:\ ->\ \w+)?\ )?(?:\[)?(?:\w+=(?:"(?:[^"\\]|\\.)*"|[\w.]+)\ ?)*\]?;(?:\ edge\ \[arrowsize=0.6\];)? |
+    \w+\ ->\ \w+;)\s*""",
+    re.VERBOSE,
+)
+
+
+def drawn(text: str) -> tuple[set[str], set[tuple[str, str]]]:
+    """Nodes and arrows of a DOT text, each of whose lines must be a statement."""
+    lines = text.splitlines()
+    assert not [line for line in lines if not DOT_STATEMENT.fullmatch(line)]
+    assert text.count("{\n") == sum(line.strip() == "}" for line in lines)
+    nodes = {found[1] for line in lines if (found := re.match(r"\s*([pts]\d+) \[", line))}
+    arrows = {(found[1], found[2]) for line in lines if (found := re.match(r"\s*(\w+) -> (\w+)", line))}
+    assert {end for arrow in arrows for end in arrow} <= nodes
+    return nodes, arrows
+
+
+def test_a_drawing_of_the_net_has_all_its_places_and_arcs() -> None:
+    net = coral_net()
+    nodes, arrows = drawn(net_dot(net))
+    assert len(nodes) == len(net.places) + len(net.transitions)
+    arcs = sum(len(set(one.before) | set(one.after)) for one in net.transitions)
+    assert len(arrows) == arcs
+    assert '"say \\"hi\\""' in net_dot(Net('say "hi"', ("a",), (), (0,)))
+
+
+def test_a_drawing_of_the_graph_frames_objectives() -> None:
+    graph = coral_graph()
+    nodes, arrows = drawn(graph_dot(graph))
+    assert len(nodes) == len(graph.markings)
+    assert arrows == {(f"s{edge.source}", f"s{edge.target}") for edge in graph.edges()}
+    text = graph_dot(graph, only_in_service=True)
+    assert len(drawn(text)[0]) == sum(not graph.view(state).lost for state in range(len(graph.markings)))
+    assert 'label="LocalizedObservation.ManualMoving"' in text and "Diving_EV_OK" in text
+
+
+def test_the_graph_as_json_keeps_to_its_schema() -> None:
+    graph = coral_graph()
+    document = json.loads(json.dumps(graph_document(graph)))
+    schema = json.loads((ROOT / "docs/schema/alternatives-1.schema.json").read_text(encoding="utf-8"))
+    jsonschema.Draft202012Validator(schema).validate(document)
+    assert len(document["states"]) == len(graph.markings) and len(document["edges"]) == len(graph.events)
+    start = next(edge for edge in document["edges"] if edge["event"] == "MISSION_EV_START" and edge["source"] == 0)
+    state = document["states"][start["target"]]
+    assert state["objectives"] == ["LocalizedObservation.ManualMoving"]
+    assert {"activity": "localisation", "alternative": "gps"} in state["running"]
