@@ -20,7 +20,7 @@ OUTCOMES = {"success": "#b7dfb0", "failure": "#f2b8b0", "": "white"}
 
 
 def net_dot(net: Net) -> str:
-    """The net: places as circles (a dot: it holds a token at the start), transitions as boxes, shaded by level.
+    """The net: places as ellipses (a dot: it holds a token at the start), transitions as boxes, shaded by level.
 
     What belongs to one resource, activity or objective is framed; an event is written under its transition. Places that
     are only read have an arrow without a head.
@@ -31,16 +31,15 @@ def net_dot(net: Net) -> str:
     groups: dict[str, list[str]] = {}
     for at, name in enumerate(net.places):
         group = net.groups[at] if net.groups else ""
-        inside = '"&bull;"' if at in marked else '""'
-        short = name.removeprefix(f"{group}.")
-        circle = f"p{at} [shape=circle width=0.3 fixedsize=true label={inside} xlabel={_text(short)}];"
-        groups.setdefault(group, []).append(circle)
-    for at, (group, circles) in enumerate(groups.items()):
+        token = "\u2022 " if at in marked else ""
+        ellipse = f"p{at} [shape=ellipse height=0.3 label={_text(token + name.removeprefix(f'{group}.'))}];"
+        groups.setdefault(group, []).append(ellipse)
+    for at, (group, ellipses) in enumerate(groups.items()):
         if not group:
-            lines += [f"  {circle}" for circle in circles]
+            lines += [f"  {ellipse}" for ellipse in ellipses]
             continue
         lines += [f"  subgraph cluster{at} {{", f"    label={_text(group)} color=gray;"]
-        lines += [*(f"    {circle}" for circle in circles), "  }"]
+        lines += [*(f"    {ellipse}" for ellipse in ellipses), "  }"]
     for at, one in enumerate(net.transitions):
         label = f"{one.name}\n{one.event}" if one.event else one.name
         lines.append(
@@ -75,7 +74,7 @@ def graph_dot(graph: AlternativesGraph, only_in_service: bool = False) -> str:
 
 
 def _state(state: int, seen: StateView) -> str:
-    words = [f"{activity}: {alternative}" for activity, alternative in seen.running]
+    words = [activity if one == "only" else f"{activity}: {one}" for activity, one in seen.running]
     words += [f"{activity} FAILED" for activity in seen.failed]
     words += [f"{name} out of service" for name in seen.lost]
     colour = "#f6e3c5" if seen.failed else OUTCOMES[seen.outcome]
