@@ -239,7 +239,7 @@ def random_lasso(random: Random, graph: AlternativesGraph) -> tuple[list[int], i
 
 def test_logic_agrees_with_the_runs_themselves() -> None:
     random, violated = Random(11), 0
-    for graph in GRAPHS:
+    for graph in GRAPHS[::2]:
         for _ in range(4):
             formula = random_formula(random, random.randrange(1, 8))
             found = counterexample(graph, formula)
@@ -271,7 +271,7 @@ def test_logic_agrees_with_the_runs_themselves() -> None:
                 back = len(found.states) - 1 + more.index(state)
                 word = [letter(graph, one) for one in run]
                 assert not truths(formula, (word[:back], word[back:]))[0]
-    assert 300 < violated < 1400
+    assert 150 < violated < 700
 
 
 # ---------------------------------------------------------------------------------------------- the coral mission
