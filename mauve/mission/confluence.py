@@ -106,66 +106,71 @@ def _enabled(table: Masks, state: int, candidates: int, depends: int) -> tuple[i
 
     Levels below the first with an enabled transition are left as candidates, unseen.
     """
-    candidates &= armed(table, state)
+    before = table.before
     for of_level in table.by_level[:0:-1]:
         here = candidates & of_level
+        if not here:
+            continue
         firing = 0
-        for index in bits(here):
-            missing = table.before[index] & ~state
+        while here:
+            low = here & -here
+            here ^= low
+            needed = before[low.bit_length() - 1]
+            missing = needed & ~state
             if not missing:
-                firing |= 1 << index
-                depends |= table.before[index]
-            elif not missing & depends:
-                depends |= missing & -missing
-        candidates = candidates & ~here | firing
+                firing |= low
+                depends |= needed
+            else:
+                candidates ^= low
+                if not missing & depends:
+                    depends |= missing & -missing
         if firing:
             return candidates, firing, depends
     return 0, 0, depends
 
 
-def _start(table: Masks, state: int, event: int) -> tuple[int, int]:
-    """The marking right after an event, and the transitions that it can have enabled."""
-    return state & ~table.taken[event] | table.filled[event], table.wakes[event]
-
-
 def _all_orders(table: Masks, state: int, events: list[int], budget: int) -> _Spread:
     """Every order in which the cascades of an event's enabled transitions can run. Raises OverBudget."""
+    before, taken, filled, wakes = table.before, table.taken, table.filled, table.wakes
     depends = unsafe = 0
+    steady = armed(table, state)
     reached: dict[int, tuple[int, int]] = {}
-    queue: list[tuple[int, int]] = []
+    queue: list[tuple[int, int, int]] = []
     ends: list[int] = []
-    degree: dict[int, int] = {}
-    follow: dict[int, list[int]] = {}
+    sources, targets = [], []
     for event in events:
-        missing = table.before[event] & ~state
+        missing = before[event] & ~state
         if missing:
             depends |= missing & -missing
             continue
-        depends |= table.before[event] | table.filled[event]
-        unsafe |= state & table.filled[event]
-        after, candidates = _start(table, state, event)
+        depends |= before[event] | filled[event]
+        unsafe |= state & filled[event]
+        after = state & ~taken[event] | filled[event]
         if after not in reached:
             reached[after] = (-1, event)
-            queue.append((after, candidates))
-    for marking, candidates in queue:
-        rest, firing, depends = _enabled(table, marking, candidates, depends)
+            queue.append((after, wakes[event], steady & ~table.disarmed[event] | table.armed[event]))
+    for marking, candidates, live in queue:
+        rest, firing, depends = _enabled(table, marking, candidates & live, depends)
         if not firing:
             ends.append(marking)
-        for index in bits(firing):
-            filled = table.filled[index]
-            unsafe |= marking & filled
-            depends |= filled
-            after = marking & ~table.taken[index] | filled
-            follow.setdefault(marking, []).append(after)
-            degree[after] = degree.get(after, 0) + 1
-            if after in reached:
-                continue
-            if len(reached) >= budget:
-                raise OverBudget
-            reached[after] = (marking, index)
-            queue.append((after, rest | table.wakes[index]))
+        while firing:
+            low = firing & -firing
+            firing ^= low
+            index = low.bit_length() - 1
+            new = filled[index]
+            unsafe |= marking & new
+            depends |= new
+            after = marking & ~taken[index] | new
+            sources.append(marking)
+            targets.append(after)
+            if after not in reached:
+                if len(reached) >= budget:
+                    raise OverBudget
+                reached[after] = (marking, index)
+                queue.append((after, rest | wakes[index], live & ~table.disarmed[index] | table.armed[index]))
     orders = {end: _order(reached, end) for end in ends}
-    return _Spread(orders, depends | table.transient, len(reached), unsafe, _has_cycle(list(reached), degree, follow))
+    endless = not ends or (len(sources) >= len(reached) and _has_cycle(list(reached), sources, targets))
+    return _Spread(orders, depends | table.transient, len(reached), unsafe, endless)
 
 
 def _order(reached: dict[int, tuple[int, int]], end: int) -> tuple[int, ...]:
@@ -177,9 +182,14 @@ def _order(reached: dict[int, tuple[int, int]], end: int) -> tuple[int, ...]:
     return tuple(reversed(order))
 
 
-def _has_cycle(markings: list[int], degree: dict[int, int], follow: dict[int, list[int]]) -> bool:
+def _has_cycle(markings: list[int], sources: list[int], targets: list[int]) -> bool:
     """Whether the markings of a cascade can come back to one of them."""
-    ready = [one for one in markings if not degree.get(one)]
+    degree = dict.fromkeys(markings, 0)
+    follow: dict[int, list[int]] = {}
+    for source, target in zip(sources, targets, strict=True):
+        degree[target] += 1
+        follow.setdefault(source, []).append(target)
+    ready = [one for one in markings if not degree[one]]
     for one in ready:
         for after in follow.get(one, ()):
             degree[after] -= 1
@@ -196,10 +206,10 @@ def _random_orders(table: Masks, state: int, events: list[int], orders: int, ran
     for number in range(orders + 1):
         event = random.choice(enabled) if number else enabled[0]
         unsafe |= state & table.filled[event]
-        marking, candidates = _start(table, state, event)
+        marking, candidates = state & ~table.taken[event] | table.filled[event], table.wakes[event]
         order = [event]
         while True:
-            candidates, firing, _ = _enabled(table, marking, candidates, 0)
+            candidates, firing, _ = _enabled(table, marking, candidates & armed(table, marking), 0)
             if not firing:
                 break
             index = random.choice(list(bits(firing))) if number else (firing & -firing).bit_length() - 1
