@@ -33,7 +33,7 @@ def test_cuts_of_random_missions_follow_from_their_objectives() -> None:
         several += len(whole.cuts) > 1
         # Losing few is losing no cut: at any time is no worse than from the start on.
         assert check_success(seen, SuccessReachable(1)).holds is all(len(cut) > 1 for cut in cuts or ()), seed
-    assert several > 5
+    assert several > 2
 
 
 @pytest.mark.slow
