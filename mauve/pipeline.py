@@ -32,6 +32,7 @@ from mauve.verdict.derivation import Derivation, declared_handlers
 from mauve.verdict.result import CheckResult, DeploymentResult, NodeResult
 
 if TYPE_CHECKING:
+    from mauve.verdict.missions import MissionOptions, MissionResult
     from mauve.wcet.batch import Progress, Settings
     from mauve.wcet.flow.facts import Fact
     from mauve.wcet.hardware.board import Board
@@ -88,7 +89,27 @@ def check(path: str, options: Options, report: Report) -> CheckResult:
     chosen = [d for d in model.deployments if options.deployment in (None, d.name)]
     wanted = [d for d in chosen if not d.abstract or d.name == options.deployment]
     results = tuple(check_deployment(deployment, options, report) for deployment in wanted)
-    return CheckResult(path, modules, model, results)
+    missions = check_missions(model, None, report)
+    return CheckResult(path, modules, model, results, missions)
+
+
+def check_missions(
+    model: Model, options: MissionOptions | None, report: Report, names: Sequence[str] | None = None
+) -> tuple[MissionResult, ...]:
+    """Missions -> nets -> alternatives graphs -> properties -> verdicts; imported only where there are missions.
+
+    `options` None looks at as much as a check has time for, `names` None means all missions.
+    """
+    if model.missions is None or not model.missions.missions:
+        return ()
+    from mauve.verdict.mission_messages import report_mission
+    from mauve.verdict.missions import CHECKED, check_mission
+
+    chosen = [mission for mission in model.missions.missions if names is None or mission.name in names]
+    results = tuple(check_mission(mission, options or CHECKED) for mission in chosen)
+    for result in results:
+        report_mission(result, report)
+    return results
 
 
 def check_deployment(deployment: Deployment, options: Options, report: Report) -> DeploymentResult:

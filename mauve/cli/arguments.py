@@ -11,6 +11,11 @@ from mauve import __version__
 
 STAGES = ("ast", "model", "cfg", "psm", "traces", "tasks")
 METHODS = ("trace", "exact", "paper", "sporadic")
+FORMS = (
+    "objectives", "net", "alternatives", "dot", "net-dot", "json", "pnml", "tina", "lola", "c", "c-header", "python",
+)  # fmt: skip
+"""What `mauvec mission --emit` writes (mauve.report.mission_emit)."""
+
 FORMATS = ("full", "short", "json", "sarif", "github")
 
 CODES = "exit codes: 0 everything holds; 1 it does not, or the input is in error; 2 wrong usage; 70 a bug of mauvec"
@@ -107,6 +112,27 @@ def _add_wcet(commands: _Commands) -> None:
     _add_common(parser)
 
 
+def _add_mission(commands: _Commands) -> None:
+    parser = commands.parser(
+        "build, check, simulate and export a mission",
+        "From objectives, activities and resources to a Petri net, the graph of its stable states, its properties, and "
+        "the controller. The verdicts go to standard output, messages to standard error.",
+        f"example: mauvec mission robot.mauve. {CODES}.",
+    )
+    add = parser.add_argument
+    add("file", metavar="FILE", help="the model, e.g. robot.mauve")
+    add("--mission", metavar="M", help="this mission only (default: all of the model)")
+    add("--simulate", action="store_true", help="step the mission from events on standard input")
+    add("--events", metavar="SCRIPT", help="with --simulate: a file of events, one a line")
+    add("--markings", action="store_true", help="build the graph of all markings, too, transient ones included")
+    add("--budget", metavar="N", type=_count, default=1_000_000, help="stable states at most (default: 1000000)")
+    add("--format", choices=("text", "json"), default="text", help="how verdicts are shown (default: text)")
+    add("--emit", choices=FORMS, help="write this form of the mission instead of its verdicts")
+    add("-o", "--output", metavar="FILE", help="write to a file; with --emit c also the header beside it")
+    add("--messages", choices=("full", "short", "github"), default="full", help="the form of messages (default: full)")
+    _add_common(parser)
+
+
 def _seconds(text: str) -> float:
     value = float(text)
     if not 0 < value < float("inf"):
@@ -148,6 +174,7 @@ COMMANDS: dict[str, Callable[[_Commands], None]] = {
     "check": _add_check,
     "wcet": _add_wcet,
     "facts": _add_facts,
+    "mission": _add_mission,
     "explain": _add_explain,
 }
 """What adds the parser of each command; `mauve.cli.NAME.run` runs it."""

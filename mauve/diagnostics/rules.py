@@ -1,7 +1,7 @@
 """The one table of rules: code, slug, default severity. Each code has a page in pages/CODE.md and a test.
 
 The first digit names the phase: 0 syntax, 1 names and imports, 2 types, ports and connections, 3 behaviour,
-4 deployment, 5 binaries and WCET, 6 schedulability, 9 internal.
+4 deployment, 5 binaries and WCET, 6 schedulability, 7 missions, 9 internal.
 """
 
 from __future__ import annotations
@@ -113,6 +113,30 @@ RULES: dict[str, Rule] = {
         Rule("MV603", "method-unsound", WARNING),
         Rule("MV604", "expectation-failed", ERROR),
         Rule("MV605", "response-unbounded", ERROR),
+        # 7 missions
+        Rule("MV701", "parallel-without-mandatory", ERROR),
+        Rule("MV702", "unknown-resource", ERROR),
+        Rule("MV703", "resource-produced-twice", ERROR),
+        Rule("MV704", "cyclic-production", ERROR),
+        Rule("MV705", "same-priority", ERROR),
+        Rule("MV706", "shadowed-alternative", WARNING),
+        Rule("MV707", "identical-alternative", WARNING),
+        Rule("MV708", "resource-kind", ERROR),
+        Rule("MV709", "contention", ERROR),
+        Rule("MV710", "impossible-objective", ERROR),
+        Rule("MV711", "unused-in-mission", WARNING),
+        Rule("MV712", "recursive-objective", ERROR),
+        Rule("MV713", "success-unreachable", ERROR),
+        Rule("MV714", "single-point-of-failure", WARNING),
+        Rule("MV715", "dependent-optional", WARNING),
+        Rule("MV716", "activity-component-mismatch", ERROR),
+        Rule("MV717", "vanishing-resource", ERROR),
+        Rule("MV718", "impossible-recovery", WARNING),
+        Rule("MV719", "useless-retry", WARNING),
+        Rule("MV720", "too-many-states", WARNING),
+        Rule("MV721", "check-fails", ERROR),
+        Rule("MV722", "untied-activity", NOTE),
+        Rule("MV725", "check-undecided", ERROR),
         # 9 internal
         Rule("MV901", "internal", ERROR),
     )

@@ -6,10 +6,15 @@ would arise. Every object keeps the span it was written at, for diagnostics of l
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from mauve.model.types import Type
 from mauve.records import record
 from mauve.source import Span
 from mauve.syntax.ast import ComponentKind, Overflow, PortKind, Role, RunsIn
+
+if TYPE_CHECKING:
+    from mauve.model.missions import MissionPart
 
 __all__ = ["ComponentKind", "Overflow", "PortKind", "Role", "RunsIn"]
 
@@ -448,3 +453,4 @@ class Model:
     architectures: tuple[Architecture, ...]
     boards: tuple[Board, ...]
     deployments: tuple[Deployment, ...]
+    missions: MissionPart | None = None

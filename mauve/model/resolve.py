@@ -11,6 +11,7 @@ from mauve.model.facts import module_facts
 from mauve.model.model import Architecture, Board, Component, Model
 from mauve.model.names import Scope, module_scope
 from mauve.model.typing import TypeTable
+from mauve.records import changed
 from mauve.syntax import ast
 
 
@@ -56,7 +57,15 @@ def resolve(modules: tuple[ast.Module, ...], standard_boards: tuple[ast.Module, 
     own_boards = tuple(b for m in modules for d in m.declarations if (b := boards.get(id(d))) is not None)
     if architectures and not any(not deployment.abstract for deployment in deployments):
         _nothing_to_check(modules, scopes, report)
-    return Model(tuple(components.values()), tuple(architectures.values()), own_boards, tuple(deployments))
+    model = Model(tuple(components.values()), tuple(architectures.values()), own_boards, tuple(deployments))
+    if not any(module.missions for module in modules):
+        return model
+    from mauve.model.mission_activities import Home
+    from mauve.model.mission_resolve import resolve_missions
+
+    tied = bool(model.components or model.architectures)
+    homes = {key: Home(scopes[key], tables[key], components, model.architectures, tied) for key in scopes}
+    return changed(model, missions=resolve_missions(modules, lambda module: homes[id(module)], report))
 
 
 def _first_of_each(module: ast.Module) -> list[ast.Declaration]:

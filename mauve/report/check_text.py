@@ -42,13 +42,17 @@ COMPONENTS = (
 
 def format_check(result: CheckResult, style: Style, limit: int | None = None) -> str:
     """The whole result, a section per deployment; empty where nothing was analysed. `limit` is the width to keep to."""
-    if result.model is not None and not result.model.deployments:
+    if result.model is not None and not result.model.deployments and not result.missions:
         return f"{result.path}: no deployment, so nothing to check\n"
     lines: list[str] = []
     for deployment in result.deployments:
         lines += [*_deployment(deployment, style, limit), ""]
     if len(result.deployments) > 1:
-        lines += _summary(result, style)
+        lines += [*_summary(result, style), ""]
+    if result.missions:
+        from mauve.report.mission_summary import mission_lines
+
+        lines += [line for mission in result.missions for line in (*mission_lines(mission, style, limit), "")]
     while lines and not lines[-1]:
         lines.pop()
     return "".join(line + "\n" for line in lines)

@@ -52,7 +52,8 @@ def _resource(context: Context, children: list[Any], start: int, end: int) -> m.
     if len(set(sharing)) < len(sharing) or {m.Sharing.SHARED, m.Sharing.EXCLUSIVE} <= set(sharing):
         context.error("a resource is either `exclusive` or `shared`", context.span(start, end))
     span = context.span(start, end)
-    return m.ResourceDecl(children[1], first(children, ast.TypeRef), sharing, span, context.doc(start))
+    may = next((each.span for each in only(children, Clause)), None)
+    return m.ResourceDecl(children[1], first(children, ast.TypeRef), sharing, may, span, context.doc(start))
 
 
 # ------------------------------------------------------------------------------------------------ activities

@@ -6,6 +6,7 @@ The pipeline makes these, the reports show them.
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import TYPE_CHECKING
 
 from mauve.diagnostics.diagnostic import Report
 from mauve.lower.codels import CodelTime
@@ -16,6 +17,9 @@ from mauve.records import changed, record
 from mauve.syntax.ast import Module
 from mauve.timing.response import Analysis, as_seen
 from mauve.timing.task import Task
+
+if TYPE_CHECKING:
+    from mauve.verdict.missions import MissionResult
 
 
 @record
@@ -62,7 +66,9 @@ class CheckResult:
     modules: tuple[Module, ...]
     model: Model | None
     deployments: tuple[DeploymentResult, ...]
+    missions: tuple[MissionResult, ...] = ()
 
     def passes(self, report: Report) -> bool:
         """Whether the input is free of errors and every deployment has the verdict it asks for."""
-        return not report.has_errors and all(deployment.as_expected for deployment in self.deployments)
+        deployed = all(deployment.as_expected for deployment in self.deployments)
+        return not report.has_errors and deployed and all(mission.holds for mission in self.missions)

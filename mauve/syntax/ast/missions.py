@@ -34,11 +34,12 @@ class Sharing(Enum):
 
 @record
 class ResourceDecl:
-    """`resource location: Pose shared`."""
+    """`resource location: Pose shared`. `may` is where `may fail` is written, which only hardware does."""
 
     name: Name
     type: TypeRef | None
     sharing: tuple[Sharing, ...]
+    may: Span | None
     span: Span
     doc: str = ""
 
