@@ -33,6 +33,9 @@ from mauve.verdict.result import CheckResult, DeploymentResult, NodeResult
 
 if TYPE_CHECKING:
     from mauve.verdict.missions import MissionOptions, MissionResult
+    from mauve.timing.simulation.horizon import Asked
+    from mauve.timing.simulation.outcome import Simulated
+    from mauve.timing.simulation.system import Settings as SimulationSettings
     from mauve.wcet.batch import Progress, Settings
     from mauve.wcet.flow.facts import Fact
     from mauve.wcet.hardware.board import Board
@@ -86,8 +89,7 @@ def check(path: str, options: Options, report: Report) -> CheckResult:
     modules, model = read_model(path, report)
     if model is None or report.has_errors:
         return CheckResult(path, modules, model, ())
-    chosen = [d for d in model.deployments if options.deployment in (None, d.name)]
-    wanted = [d for d in chosen if not d.abstract or d.name == options.deployment]
+    wanted = _wanted(model, options.deployment)
     results = tuple(check_deployment(deployment, options, report) for deployment in wanted)
     missions = check_missions(model, None, report)
     return CheckResult(path, modules, model, results, missions)
@@ -112,8 +114,24 @@ def check_missions(
     return results
 
 
+def _wanted(model: Model, name: str | None) -> list[Deployment]:
+    """The deployment of this name, else all that are not abstract."""
+    chosen = [d for d in model.deployments if name in (None, d.name)]
+    return [d for d in chosen if not d.abstract or d.name == name]
+
+
 def check_deployment(deployment: Deployment, options: Options, report: Report) -> DeploymentResult:
     """Codels -> WCETs -> PSMs -> tasks -> response times -> verdict, of one deployment."""
+    result = analyse_deployment(deployment, options, report)
+    for node in result.nodes:
+        if node.analysis is not None:
+            report_node(deployment, node.tasks, node.analysis, report)
+    report_expectation(deployment, result.holds, result.complete, report)
+    return result
+
+
+def analyse_deployment(deployment: Deployment, options: Options, report: Report) -> DeploymentResult:
+    """Codels -> WCETs -> PSMs -> tasks -> response times; missed deadlines are in the result, not in the report."""
     plans = plan_codels(deployment)
     derivation = _derive(deployment, plans, options, report)
     codels = choose_times(plans, deployment, derivation.codels, report)
@@ -121,12 +139,8 @@ def check_deployment(deployment: Deployment, options: Options, report: Report) -
     built = build_machines(deployment, times)
     placed = task_sets(deployment, built, times, report)
     nodes = _respond(deployment, placed, derivation, options.method)
-    for node in nodes:
-        if node.analysis is not None:
-            report_node(deployment, node.tasks, node.analysis, report)
     complete = derivation.complete and _complete(codels, nodes)
     holds = complete and all(node.analysis is not None and node.analysis.schedulable for node in nodes)
-    report_expectation(deployment, holds, complete, report)
     return DeploymentResult(deployment, codels, built, nodes, complete, holds)
 
 
@@ -150,6 +164,38 @@ def _respond(
 def _complete(codels: Sequence[CodelTime], nodes: Sequence[NodeResult]) -> bool:
     timed = all(codel.time is not None for codel in codels)
     return bool(nodes) and timed and all(node.tasks.complete and node.analysis is not None for node in nodes)
+
+
+def simulate(
+    path: str, options: Options, settings: SimulationSettings, asked: Asked, report: Report
+) -> tuple[CheckResult, tuple[Simulated, ...]]:
+    """One run of the schedule of each deployment that is complete, beside the analysis that it rests on."""
+    modules, model = read_model(path, report)
+    if model is None or report.has_errors:
+        return CheckResult(path, modules, model, ()), ()
+    results = tuple(
+        analyse_deployment(deployment, options, report) for deployment in _wanted(model, options.deployment)
+    )
+    done = tuple(simulate_deployment(path, result, settings, asked) for result in results if result.complete)
+    return CheckResult(path, modules, model, results), done
+
+
+def simulate_deployment(path: str, result: DeploymentResult, settings: SimulationSettings, asked: Asked) -> Simulated:
+    """Tasks -> one schedule per node, of one deployment."""
+    from mauve.lower.simulated import simulated_processors
+    from mauve.timing.simulation.engine import simulate as run
+    from mauve.timing.simulation.horizon import horizon, windowed
+    from mauve.timing.simulation.outcome import Simulated
+
+    deployment = result.deployment
+    times = {codel.plan.id: codel.time for codel in result.codels if codel.time is not None}
+    analysed = [(node.tasks, node.analysis) for node in result.nodes if node.analysis is not None]
+    processors = simulated_processors(deployment, [(tasks, found.tasks) for tasks, found in analysed], times)
+    reach = horizon(processors, asked)
+    outcomes = tuple(run(processor, windowed(settings, reach, asked)) for processor in processors)
+    bounds = tuple({one.task: one.wcrt for one in found.results} for _, found in analysed)
+    expected = deployment.expect_unschedulable is not None
+    return Simulated(deployment.name, path, "ps", outcomes, bounds, reach, expected)
 
 
 # ------------------------------------------------------------------------------------- functions without a model

@@ -5,9 +5,11 @@ from __future__ import annotations
 import argparse
 import os
 from collections.abc import Callable, Sequence
+from fractions import Fraction
 from typing import Any
 
 from mauve import __version__
+from mauve.units import TIME_UNITS
 
 STAGES = ("ast", "model", "cfg", "psm", "traces", "tasks")
 METHODS = ("trace", "exact", "paper", "sporadic")
@@ -164,6 +166,51 @@ def _add_facts(commands: _Commands) -> None:
     _add_common(parser)
 
 
+def _add_simulate(commands: _Commands) -> None:
+    parser = commands.parser(
+        "one run of the schedule, as tables or a Gantt chart",
+        "Simulate the schedule of each deployment, event by event and exactly: responses seen, preemptions, context "
+        "switches, idle time. It is one run out of many: only `mauvec check` bounds them.",
+        f"example: mauvec simulate robot.mauve --format svg -o robot.svg. {CODES}.",
+    )
+    add = parser.add_argument
+    add("file", metavar="FILE", help="the model, e.g. robot.mauve")
+    add("--deployment", metavar="D", help="simulate this deployment only (default: all that are not abstract)")
+    formats = "text (default); json; svg: a Gantt chart; perfetto: a trace for ui.perfetto.dev; csv: jobs or segments"
+    add("--format", choices=("text", "json", "svg", "perfetto", "csv", "segments-csv"), default="text", help=formats)
+    add("-o", "--output", metavar="FILE", help="write the result to a file instead of standard output")
+    length = "simulate so long, e.g. 1s (default: the hyperperiod, as far as it is within reach)"
+    add("--for", "--until", metavar="TIME", dest="length", type=_duration, help=length)
+    add("--hyperperiod", action="store_true", help="simulate the whole hyperperiod, also a long one")
+    add("--from", metavar="TIME", dest="start", type=_duration, help="show jobs and segments from this time on")
+    add("--to", metavar="TIME", dest="end", type=_duration, help="show jobs and segments up to this time")
+    offsets = "when tasks start: all at 0 (default), or each at random"
+    add("--offsets", choices=("synchronous", "random"), default="synchronous", help=offsets)
+    runs = "transitions taken: the dearest runs (default), at random, or always the first"
+    add("--runs", choices=("worst", "random", "first"), default="worst", help=runs)
+    add("--jitter", choices=("worst", "random", "none"), help="how late jobs are released (default: as the runs)")
+    sporadic = "whether tasks that events wake may come later than their separation says (default: periodic)"
+    add("--arrivals", choices=("periodic", "sporadic"), default="periodic", help=sporadic)
+    add("--execution", choices=("worst", "random"), default="worst", help="how long codels take (default: worst)")
+    order = "who goes first among equal priorities (default: fifo)"
+    add("--order", choices=("fifo", "declared", "name", "random"), default="fifo", help=order)
+    protocol = "critical sections: immediate ceiling (default), eager ceiling, or ignored"
+    add("--protocol", choices=("ceiling", "eager", "none"), default="ceiling", help=protocol)
+    add("--seed", metavar="N", type=int, default=0, help="of all random choices (default: 0)")
+    add("--events", metavar="N", type=_count, default=1_000_000, help="stop after so many events (default: 1000000)")
+    _add_common(parser)
+
+
+def _duration(text: str) -> tuple[Fraction, str]:
+    """A time that is not negative, as a number and its unit (empty for none)."""
+    number = text.strip().rstrip("".join(sorted(set("".join(TIME_UNITS)))))
+    unit = text.strip()[len(number) :]
+    digits = number.strip().replace(".", "", 1)
+    if not digits.isdecimal() or not digits.isascii() or len(digits) > 18 or (unit and unit not in TIME_UNITS):
+        raise argparse.ArgumentTypeError(f"`{text}` is no time, e.g. 20ms")
+    return Fraction(number.strip()), unit
+
+
 def _add_explain(commands: _Commands) -> None:
     about = "Explain a message: what it means, why it matters, and what to do."
     parser = commands.parser("what a message means", about, "example: mauvec explain MV601")
@@ -175,6 +222,7 @@ COMMANDS: dict[str, Callable[[_Commands], None]] = {
     "wcet": _add_wcet,
     "facts": _add_facts,
     "mission": _add_mission,
+    "simulate": _add_simulate,
     "explain": _add_explain,
 }
 """What adds the parser of each command; `mauve.cli.NAME.run` runs it."""

@@ -27,7 +27,7 @@ def run(arguments: Namespace) -> int:
         with progress(sys.stderr, "codels") as told:
             options = Options(arguments.deployment, method, not arguments.no_cache, workers, told)
             result = check(arguments.file, options, report)
-    unknown = _unknown_deployment(arguments.deployment, result)
+    unknown = unknown_deployment(arguments.deployment, result)
     if unknown and not report.has_errors:
         return wrong_usage(unknown)
     messages = filter_allowed(report)
@@ -41,7 +41,7 @@ def run(arguments: Namespace) -> int:
     return 0 if result.passes(report) else 1
 
 
-def _unknown_deployment(wanted: str | None, result: CheckResult) -> str:
+def unknown_deployment(wanted: str | None, result: CheckResult) -> str:
     """What to say where the deployment asked for does not exist; empty where it does."""
     names = [deployment.name for deployment in result.model.deployments] if result.model else []
     if wanted is None or result.model is None or wanted in names:

@@ -28,7 +28,7 @@ def test_version(mauvec: Command) -> None:
     assert (run.code, run.out) == (0, f"mauvec {mauve.__version__}\n")
 
 
-@pytest.mark.parametrize("command", [(), ("check",), ("wcet",), ("explain",)])
+@pytest.mark.parametrize("command", [(), ("check",), ("wcet",), ("simulate",), ("explain",)])
 def test_help(command: tuple[str, ...], mauvec: Command) -> None:
     """Every command has a description and says what each of its arguments is."""
     run = mauvec(*command, "--help")

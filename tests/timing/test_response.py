@@ -353,3 +353,8 @@ def test_plain_sets_are_fast(count: int, limit: float) -> None:
     found = [analyse(tasks) for tasks in sets]
     assert (time.process_time() - start) / 5 < limit
     assert all(result.wcrt is not None for analysis in found for result in analysis.results)
+
+
+def test_a_task_without_cost_that_is_not_preempted_has_a_response() -> None:
+    assert responses([task("empty", 1, 10, 0, preemptive=False)]) == {"empty": 0}
+    assert responses([task("a", 2, 10, 4), task("empty", 1, 10, 0, preemptive=False)])["empty"] == 4
