@@ -2,7 +2,7 @@
 #include <stdint.h>
 
 /* Substitution, row shifts and column mixing over a 4 x 4 byte state; the box is computed, not tabulated. */
-uint8_t state[16] = "sixteen bytes...";
+uint8_t state[16] = "fifteen bytes..";
 uint8_t master[16] = {1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16};
 static uint8_t box[256];
 
