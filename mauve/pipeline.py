@@ -29,13 +29,14 @@ from mauve.syntax.load import load_modules, standard_module
 from mauve.timing.response import Method
 from mauve.verdict.deadlines import report_expectation, report_node
 from mauve.verdict.derivation import Derivation, declared_handlers
+from mauve.verdict.flows import check_flows, report_flows
 from mauve.verdict.result import CheckResult, DeploymentResult, NodeResult
 
 if TYPE_CHECKING:
-    from mauve.verdict.missions import MissionOptions, MissionResult
     from mauve.timing.simulation.horizon import Asked
     from mauve.timing.simulation.outcome import Simulated
     from mauve.timing.simulation.system import Settings as SimulationSettings
+    from mauve.verdict.missions import MissionOptions, MissionResult
     from mauve.wcet.batch import Progress, Settings
     from mauve.wcet.flow.facts import Fact
     from mauve.wcet.hardware.board import Board
@@ -126,6 +127,7 @@ def check_deployment(deployment: Deployment, options: Options, report: Report) -
     for node in result.nodes:
         if node.analysis is not None:
             report_node(deployment, node.tasks, node.analysis, report)
+    report_flows(deployment, result.flows, report)
     report_expectation(deployment, result.holds, result.complete, report)
     return result
 
@@ -140,8 +142,10 @@ def analyse_deployment(deployment: Deployment, options: Options, report: Report)
     placed = task_sets(deployment, built, times, report)
     nodes = _respond(deployment, placed, derivation, options.method)
     complete = derivation.complete and _complete(codels, nodes)
-    holds = complete and all(node.analysis is not None and node.analysis.schedulable for node in nodes)
-    return DeploymentResult(deployment, codels, built, nodes, complete, holds)
+    flows = check_flows(deployment, [(node.tasks, node.analysis) for node in nodes]) if complete else ()
+    met = all(node.analysis is not None and node.analysis.schedulable for node in nodes)
+    holds = complete and met and all(flow.holds for flow in flows)
+    return DeploymentResult(deployment, codels, built, nodes, complete, holds, flows)
 
 
 def _derive(deployment: Deployment, plans: tuple[CodelPlan, ...], options: Options, report: Report) -> Derivation:

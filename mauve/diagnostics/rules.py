@@ -63,6 +63,7 @@ RULES: dict[str, Rule] = {
         Rule("MV212", "duplicate-connection", ERROR),
         Rule("MV213", "unbounded-queue", ERROR),
         Rule("MV214", "data-race", ERROR),
+        Rule("MV216", "flow-path", ERROR),
         # 3 behaviour
         Rule("MV301", "unreachable-state", ERROR),
         Rule("MV302", "initial-state", ERROR),
@@ -113,6 +114,7 @@ RULES: dict[str, Rule] = {
         Rule("MV603", "method-unsound", WARNING),
         Rule("MV604", "expectation-failed", ERROR),
         Rule("MV605", "response-unbounded", ERROR),
+        Rule("MV606", "flow-late", ERROR),
         # 7 missions
         Rule("MV701", "parallel-without-mandatory", ERROR),
         Rule("MV702", "unknown-resource", ERROR),

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from mauve.diagnostics.diagnostic import Diagnostic, Fix, Label, Report
 from mauve.model.connections import resolve_connections
 from mauve.model.execution import execution_settings
+from mauve.model.flows import resolve_flows
 from mauve.model.model import Architecture, Component, ComponentKind, Endpoint, Instance, PortKind, Setting
 from mauve.model.names import Scope, duplicate, unknown
 from mauve.model.periods import instance_period
@@ -49,7 +50,8 @@ def resolve_architecture(declaration: ast.ArchitectureDecl, context: Context, re
     endpoints = tuple(endpoint for endpoint, _ in external)
     check_separations(data, endpoints, instances, report)
     name = declaration.name
-    return Architecture(name.text, with_defaults, data, services, endpoints, not failed, name.span)
+    flows = resolve_flows(declaration.flows, instances, data, services, report) if not failed else ()
+    return Architecture(name.text, with_defaults, data, services, endpoints, not failed, name.span, flows)
 
 
 def _check_component_names(instances: tuple[Instance, ...], report: Report) -> None:

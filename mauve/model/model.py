@@ -11,12 +11,12 @@ from typing import TYPE_CHECKING
 from mauve.model.types import Type
 from mauve.records import record
 from mauve.source import Span
-from mauve.syntax.ast import ComponentKind, Overflow, PortKind, Role, RunsIn
+from mauve.syntax.ast import ComponentKind, Latency, Overflow, PortKind, Role, RunsIn
 
 if TYPE_CHECKING:
     from mauve.model.missions import MissionPart
 
-__all__ = ["ComponentKind", "Overflow", "PortKind", "Role", "RunsIn"]
+__all__ = ["ComponentKind", "Latency", "Overflow", "PortKind", "Role", "RunsIn"]
 
 
 @record
@@ -245,8 +245,30 @@ class ServiceConnection:
 
 
 @record
+class FlowStep:
+    """An instance on a flow: the port or operation where data come in, the port or method where they go out (each empty
+    where the flow does not say); `woken` by what comes in."""
+
+    instance: str
+    enters: str
+    leaves: str
+    woken: bool
+
+
+@record
+class Flow:
+    """Data on their way through the tasks of some instances, and within which time which `latency` is to be."""
+
+    name: str
+    steps: tuple[FlowStep, ...]
+    within: Setting | None
+    latency: Latency
+    span: Span
+
+
+@record
 class Architecture:
-    """Instances and their connections. `complete` is False where an instance in error was left out."""
+    """Instances, connections, and flows along them. `complete` is False where an instance in error was left out."""
 
     name: str
     instances: tuple[Instance, ...]
@@ -255,6 +277,7 @@ class Architecture:
     external: tuple[Endpoint, ...]
     complete: bool
     span: Span
+    flows: tuple[Flow, ...] = ()
 
 
 # ------------------------------------------------------------------------------------------------ platform

@@ -122,6 +122,10 @@ def _architecture(architecture: Architecture) -> Iterator[str]:
         yield f"  connect {service.caller} -> {service.provider}"
     for endpoint in architecture.external:
         yield f"  external {endpoint}"
+    for flow in architecture.flows:
+        steps = " -> ".join(step.instance for step in flow.steps)
+        within = f" within {format_time(flow.within.value)} {flow.latency.value}" if flow.within is not None else ""
+        yield f"  flow {flow.name}: {steps}{within}"
 
 
 def _instance(instance: Instance) -> str:

@@ -8,6 +8,7 @@ from mauve.diagnostics.diagnostic import Diagnostic, Severity
 from mauve.diagnostics.render_json import to_plain
 from mauve.lower.codels import CodelTime
 from mauve.lower.placed import PlacedTask
+from mauve.report.flows import flow_plain
 from mauve.timing.bill import Bill, BillLine, deadline_bill, worst_bill
 from mauve.timing.response import Analysis, ResponseResult
 from mauve.timing.task import Kind, Task, trace_length
@@ -46,9 +47,11 @@ def _deployment(result: DeploymentResult) -> dict[str, object]:
         "name": deployment.name,
         "architecture": deployment.architecture.name,
         "complete": result.complete,
-        "schedulable": result.holds if result.complete else None,
+        "schedulable": result.schedulable if result.complete else None,
+        "holds": result.holds if result.complete else None,
         "expected_unschedulable": deployment.expect_unschedulable is not None,
         "codels": [_codel(codel) for codel in result.codels],
+        "flows": [flow_plain(flow) for flow in result.flows],
         "nodes": [_node(node, result.complete) for node in result.nodes],
     }
 

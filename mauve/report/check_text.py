@@ -8,6 +8,7 @@ from itertools import groupby
 from mauve.diagnostics.style import Role, Style
 from mauve.lower.codels import CodelTime, Source
 from mauve.lower.placed import PlacedTask
+from mauve.report.flows import format_flows
 from mauve.report.table import Align, Cell, Column, Row, format_table
 from mauve.timing.response import Analysis, Method
 from mauve.timing.task import Kind, Task, trace_length
@@ -40,13 +41,14 @@ COMPONENTS = (
 )
 
 
-def format_check(result: CheckResult, style: Style, limit: int | None = None) -> str:
-    """The whole result, a section per deployment; empty where nothing was analysed. `limit` is the width to keep to."""
+def format_check(result: CheckResult, style: Style, limit: int | None = None, details: bool = False) -> str:
+    """The whole result, a section per deployment; empty where nothing was analysed. `limit` is the width to keep to,
+    `details` asks for the bill of each response and the share of each task in a flow."""
     if result.model is not None and not result.model.deployments and not result.missions:
         return f"{result.path}: no deployment, so nothing to check\n"
     lines: list[str] = []
     for deployment in result.deployments:
-        lines += [*_deployment(deployment, style, limit), ""]
+        lines += [*_deployment(deployment, style, limit, details), ""]
     if len(result.deployments) > 1:
         lines += [*_summary(result, style), ""]
     if result.missions:
@@ -58,7 +60,7 @@ def format_check(result: CheckResult, style: Style, limit: int | None = None) ->
     return "".join(line + "\n" for line in lines)
 
 
-def _deployment(result: DeploymentResult, style: Style, limit: int | None) -> list[str]:
+def _deployment(result: DeploymentResult, style: Style, limit: int | None, details: bool) -> list[str]:
     deployment = result.deployment
     boards = dict.fromkeys(f"{n.board.name} ({n.board.core} at {frequency(n.board.hertz)})" for n in deployment.nodes)
     title = f"deployment {deployment.name} of {deployment.architecture.name}"
@@ -68,6 +70,7 @@ def _deployment(result: DeploymentResult, style: Style, limit: int | None) -> li
         lines.append(_origins(result))
     for node in result.nodes:
         lines += ["", *_node(node, result, style, limit)]
+    lines += format_flows(result.flows, style, limit, details)
     left_out = _left_out(result)
     if left_out:
         lines.append(f"  without a response, as a codel has no time: {', '.join(left_out)}")
@@ -194,11 +197,17 @@ def _verdict(result: DeploymentResult, style: Style) -> str:
     if not result.complete:
         certain = f"; {missed} of {count} deadlines missed already" if missed else ""
         return style.paint(Role.ERROR, f"{name}: incomplete, no verdict{certain}")
+    late = sum(not flow.holds for flow in result.flows)
     if result.holds:
+        asked = sum(flow.flow.within is not None for flow in result.flows)
         every = "the deadline holds" if count == 1 else f"all {count} deadlines hold"
+        if asked:
+            every = f"{count} deadline{'s' if count > 1 else ''} and {asked} flow{'s' if asked > 1 else ''} hold"
         text = f"{name}: {every}, {_certainty(result)}" + (", unexpectedly" if expected else "")
         return style.paint(Role.ERROR if expected else Role.HELP, text)
-    text = f"{name}: {missed} of {count} deadlines missed" + (", as expected" if expected else "")
+    words = [f"{missed} of {count} deadlines missed"] if missed or not late else []
+    words += [f"{late} flow{'s' if late > 1 else ''} late"] if late else []
+    text = f"{name}: {', '.join(words)}" + (", as expected" if expected else "")
     return style.paint(Role.NOTE if expected else Role.ERROR, text)
 
 

@@ -29,7 +29,8 @@ def _architecture(context: Context, children: list[Any], start: int, end: int) -
     instances, connections = only(items, ast.InstanceDecl), only(items, ast.ConnectDecl)
     span = context.span(start, end)
     externals = only(items, ast.ExternalDecl)
-    return ast.ArchitectureDecl(children[1], instances, connections, externals, span, context.doc(start))
+    flows = only(items, ast.FlowDecl)
+    return ast.ArchitectureDecl(children[1], instances, connections, externals, span, context.doc(start), flows)
 
 
 def _instance(context: Context, children: list[Any], start: int, end: int) -> ast.InstanceDecl:

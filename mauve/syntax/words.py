@@ -25,6 +25,7 @@ GROUPS: tuple[tuple[str, frozenset[str], str], ...] = (
     ("REGION", frozenset({"REGION"}), "a region"),
     ("INSTANCE", frozenset({"INSTANCE"}), "an instance"),
     ("INSTANCE", frozenset({"CONNECT", "EXTERNAL"}), "a connection"),
+    ("INSTANCE", frozenset({"FLOW"}), "a flow"),
     ("CPU", frozenset({"CPU", "ICACHE", "DCACHE", "MMU", "PREFETCH", "MEMORY", "OS"}), "a part of the board"),
     ("CHECK", frozenset({"CHECK", "REPORT", "GENERATE", "ACCEPTS"}), "a check or another item of the mission"),
     ("ALWAYS", frozenset({"NOT", "ALWAYS", "EVENTUALLY", "NEXT", "LPAR", "RUNNING", "OUT_OF_SERVICE", "ACTIVE"})
@@ -44,7 +45,7 @@ DECLARED = {
     "LIFECYCLE": "lifecycle", "MEMORY": "memory", "OS": "operating system", "INTERRUPT": "interrupt",
     "PACKAGE": "package", "HOOK": "hook", "HARDWARE": "hardware", "RESOURCE": "resource", "ACTIVITY": "activity",
     "ALTERNATIVE": "alternative", "OBJECTIVE": "objective", "MISSION": "mission", "MODE": "mode", "LTL": "check",
-    "PARALLEL": "parallel block",
+    "PARALLEL": "parallel block", "FLOW": "flow",
 }  # fmt: skip
 """What a name after a keyword is the name of."""
 
@@ -68,6 +69,8 @@ SEPARATES: dict[tuple[str, str], tuple[str, str]] = {
     ("COLON", "STRUCT"): ("between the field and its type", "the type starts here"),
     ("COLON", "INSTANCE"): ("between the instance and its component", "the component starts here"),
     ("ARROW", "CONNECT"): ("between the two ends of the connection", "the other end starts here"),
+    ("ARROW", "FLOW"): ("between two points of the flow", "the next point starts here"),
+    ("COLON", "FLOW"): ("between the flow and its points", "the first point starts here"),
     ("ARROW", "STATE"): ("before the state that a transition leads to", "the state is here"),
     ("EQUAL", "BINARY"): ("between the codel and its symbol", "the symbol starts here"),
     ("EQUAL", "INSTANCE"): ("between the property and its value", "the value starts here"),

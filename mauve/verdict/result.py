@@ -17,6 +17,7 @@ from mauve.records import changed, record
 from mauve.syntax.ast import Module
 from mauve.timing.response import Analysis, as_seen
 from mauve.timing.task import Task
+from mauve.verdict.flows import FlowResult
 
 if TYPE_CHECKING:
     from mauve.verdict.missions import MissionResult
@@ -42,8 +43,8 @@ def executed(placed: PlacedTask, analysis: Analysis) -> Task:
 @record
 class DeploymentResult:
     """One deployment. `complete` says that every codel has a time and every task a place; `holds` that it is complete
-    and every deadline is proven. Where it is not complete, the responses leave the missing work out: they are not
-    bounds yet, and can only grow."""
+    and every deadline and flow is proven. Where it is not complete, the responses leave the missing work out: they are
+    not bounds yet, and can only grow."""
 
     deployment: Deployment
     codels: tuple[CodelTime, ...]
@@ -51,6 +52,12 @@ class DeploymentResult:
     nodes: tuple[NodeResult, ...]
     complete: bool
     holds: bool
+    flows: tuple[FlowResult, ...] = ()
+
+    @property
+    def schedulable(self) -> bool:
+        """Whether it is complete and every deadline is proven, whatever is asked of flows."""
+        return self.complete and all(n.analysis is not None and n.analysis.schedulable for n in self.nodes)
 
     @property
     def as_expected(self) -> bool:

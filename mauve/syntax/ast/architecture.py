@@ -86,9 +86,29 @@ class ExternalDecl:
     span: Span
 
 
+class Latency(Enum):
+    """Which latency of a flow a bound is for."""
+
+    BOTH = "both"
+    AGE = "age"
+    REACTION = "reaction"
+
+
+@record
+class FlowDecl:
+    """`flow brake: lidar.scan -> ... -> wheels.stop within 40ms`. A point that is None stands for `...`."""
+
+    name: Name
+    points: tuple[Path | None, ...]
+    within: Quantity | None
+    latency: Latency
+    span: Span
+    doc: str = ""
+
+
 @record
 class ArchitectureDecl:
-    """Instances and their connections."""
+    """Instances, their connections, and flows along them."""
 
     name: Name
     instances: tuple[InstanceDecl, ...]
@@ -96,3 +116,4 @@ class ArchitectureDecl:
     externals: tuple[ExternalDecl, ...]
     span: Span
     doc: str = ""
+    flows: tuple[FlowDecl, ...] = ()
