@@ -2,7 +2,7 @@
 
 All orders of the transitions of a cascade are followed. What they do depends only on the places they look at, so that
 cascades which look the same to all their orders are followed once, as in `stable`. Where the markings inside cascades
-go beyond a budget, each further cascade runs in a few random orders instead.
+go beyond a budget, each rule that was not met before runs in a few random orders instead.
 """
 
 from __future__ import annotations
@@ -49,28 +49,35 @@ def confluence(graph: AlternativesGraph, budget: int = BUDGET, orders: int = ORD
         if one.level is Level.EVENT and one.event:
             starts[number[one.event]].append(index)
     memo: list[dict[int, set[int]]] = [{} for _ in net.events]
+    tried: set[int] = set()
     spent = cascades = unsafe = 0
     complete = True
     endless: set[str] = set()
     divergences: list[Fired] = []
     random = Random(seed)
     for state, marking in enumerate(graph.markings):
-        for event in graph.events[graph.first[state] : graph.first[state + 1]]:
+        for edge in range(graph.first[state], graph.first[state + 1]):
+            event, rule = graph.events[edge], graph.rules_used[edge]
             known = memo[event]
-            if any(marking & mask in values for mask, values in known.items()):
-                continue
-            cascades += 1
-            try:
-                spread = _all_orders(table, marking, starts[event], budget - spent)
-            except OverBudget:
-                complete = False
-                spread = _random_orders(table, marking, starts[event], orders, random)
-            spent += spread.markings
-            unsafe |= spread.unsafe
-            endless |= {net.events[event].name} if spread.endless else set()
-            known.setdefault(spread.depends, set()).add(marking & spread.depends)
-            if len(spread.ends) > 1 and len(divergences) < SHOWN:
-                divergences.append(_fired(graph, state, event, spread))
+            for mask, values in known.items():
+                if marking & mask in values:
+                    break
+            else:
+                if not complete and rule in tried:
+                    continue
+                cascades += 1
+                tried.add(rule)
+                try:
+                    spread = _all_orders(table, marking, starts[event], budget - spent if complete else 0)
+                    known.setdefault(spread.depends, set()).add(marking & spread.depends)
+                except OverBudget:
+                    complete = False
+                    spread = _random_orders(table, marking, starts[event], orders, random)
+                spent += spread.markings
+                unsafe |= spread.unsafe
+                endless |= {net.events[event].name} if spread.endless else set()
+                if len(spread.ends) > 1 and len(divergences) < SHOWN:
+                    divergences.append(_fired(graph, state, event, spread))
     return Confluence(
         complete,
         cascades,
@@ -199,7 +206,7 @@ def _has_cycle(markings: list[int], sources: list[int], targets: list[int]) -> b
 
 
 def _random_orders(table: Masks, state: int, events: list[int], orders: int, random: Random) -> _Spread:
-    """A few random orders of a cascade; it then counts as known for this one marking only."""
+    """A few random orders of a cascade; they prove nothing, but find most mistakes."""
     ends: dict[int, tuple[int, ...]] = {}
     unsafe = markings = 0
     enabled = [event for event in events if not table.before[event] & ~state]
@@ -221,4 +228,4 @@ def _random_orders(table: Masks, state: int, events: list[int], orders: int, ran
             candidates |= table.wakes[index]
         markings += len(order)
         ends.setdefault(marking, tuple(order))
-    return _Spread(ends, (1 << len(table.arms)) - 1, markings, unsafe, endless=False)
+    return _Spread(ends, 0, markings, unsafe, endless=False)

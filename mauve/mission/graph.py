@@ -129,10 +129,10 @@ class Fired:
 class Confluence:
     """How far it is shown that each event leads to one stable state, whatever the order of what follows it.
 
-    complete: all orders of all cascades were followed; else each was run in `orders` random orders as well as the
-    canonical one. markings: those visited inside cascades. unsafe: places that a transition would have filled twice.
-    stuck: stable states in which an activity still waits for an answer, as indices. endless: events after which some
-    order of transitions never ends.
+    complete: all orders of all cascades were followed; else those beyond the budget were run in `orders` random orders
+    as well as the canonical one, once for each rule. markings: those visited inside cascades. unsafe: places that a
+    transition would have filled twice. stuck: stable states in which an activity still waits for an answer, as indices.
+    endless: events after which some order of transitions never ends.
     """
 
     complete: bool

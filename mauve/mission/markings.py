@@ -20,6 +20,9 @@ if TYPE_CHECKING:
 BUDGET = 20_000_000
 """Markings, where nobody says otherwise."""
 
+PLAIN = 12_000
+"""Markings for which numpy is not worth its import."""
+
 
 @record
 class Explored:
@@ -65,15 +68,12 @@ def explore(net: Net, budget: int = 1_000_000) -> Explored | BudgetExceeded:
     return Explored(tuple(numbers), tuple(edges), tuple(stable), safe)
 
 
-def markings_graph(net: Net, budget: int = BUDGET) -> MarkingsGraph | BudgetExceeded:
-    """The size of the graph of all markings, with numpy where it is installed and else in plain Python."""
-    try:
-        return _packed(net, budget)
-    except ImportError:
-        found = explore(net, budget)
-        if isinstance(found, BudgetExceeded):
-            return found
+def markings_graph(net: Net, budget: int = BUDGET, plain: int = PLAIN) -> MarkingsGraph | BudgetExceeded:
+    """The size of the graph of all markings; beyond `plain` of them numpy takes over, which is slower to begin."""
+    found = explore(net, min(plain, budget))
+    if isinstance(found, Explored):
         return MarkingsGraph(len(found.markings), len(found.edges), len(found.stable), found.safe)
+    return _packed(net, budget) if budget > plain else found
 
 
 @record
@@ -94,7 +94,7 @@ def _packed(net: Net, budget: int) -> MarkingsGraph | BudgetExceeded:
     """
     import numpy
 
-    words = -(-len(net.places) // 64)
+    words = max(1, -(-len(net.places) // 64))
     table = masks(net)
 
     def split(mask: int) -> tuple[tuple[int, numpy.uint64], ...]:

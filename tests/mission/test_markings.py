@@ -16,7 +16,7 @@ def test_the_packed_search_counts_what_the_plain_one_finds(seed: int | None) -> 
     net = build_net(coral() if seed is None else random_mission(seed))
     full = explore(net)
     assert isinstance(full, Explored)
-    packed = markings_graph(net)
+    packed = markings_graph(net, plain=0)
     assert packed == MarkingsGraph(len(full.markings), len(full.edges), len(full.stable), full.safe)
 
 
@@ -28,3 +28,4 @@ def test_both_searches_keep_a_budget() -> None:
     net = build_net(coral())
     assert isinstance(explore(net, 1_000), BudgetExceeded)
     assert isinstance(markings_graph(net, 1_000), BudgetExceeded)
+    assert isinstance(markings_graph(net, 1_000, plain=0), BudgetExceeded)
