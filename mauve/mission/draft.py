@@ -62,21 +62,32 @@ class Draft:
         )
 
     def net(self) -> Net:
-        """The net as far as it is written."""
+        """The net as far as it is written, its transient places last: the numbers of stable markings stay short."""
+        passing = frozenset(self.transient)
+        order = [place for place in range(len(self.places)) if place not in passing] + self.transient
+        at = {old: new for new, old in enumerate(order)}
+        names, groups = list(self.places), list(self.places.values())
         return Net(
             self.name,
-            tuple(self.places),
-            tuple(self.transitions.values()),
-            tuple(self.initial),
+            tuple(names[old] for old in order),
+            tuple(
+                Transition(one.name, _moved(at, one.before), _moved(at, one.after), one.level, one.event)
+                for one in self.transitions.values()
+            ),
+            _moved(at, self.initial),
             tuple(self.events.values()),
             Meanings(
-                tuple(self.objectives),
-                tuple(self.running),
-                tuple(self.failed),
-                tuple(self.lost),
-                tuple(self.outcomes),
+                tuple((at[place], path) for place, path in self.objectives),
+                tuple((at[place], activity, alternative) for place, activity, alternative in self.running),
+                tuple((at[place], name) for place, name in self.failed),
+                tuple((at[place], name) for place, name in self.lost),
+                tuple((at[place], name) for place, name in self.outcomes),
             ),
-            tuple(self.places.values()),
-            tuple(self.transient),
-            tuple(tuple(unit) for unit in self.units.values()),
+            tuple(groups[old] for old in order),
+            _moved(at, self.transient),
+            tuple(_moved(at, unit) for unit in self.units.values()),
         )
+
+
+def _moved(at: dict[int, int], places: Iterable[int]) -> tuple[int, ...]:
+    return tuple([at[place] for place in places])

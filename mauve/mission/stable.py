@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from array import array
 from collections.abc import Iterator
+from typing import TypeAlias
 
 from mauve.mission.graph import AlternativesGraph, BudgetExceeded, Rule
 from mauve.mission.net import Level, Net, marking
@@ -115,6 +116,10 @@ def bits(mask: int) -> Iterator[int]:
         mask ^= low
 
 
+Step: TypeAlias = tuple[int, int, int]
+"""What a cascade keeps (a mask), what it fills, and its rule."""
+
+
 @record
 class Cascade:
     """What came of an event: the marking after it, the places it depended on, and the transitions in order.
@@ -174,6 +179,29 @@ def cascade(table: Masks, state: int, event: int) -> Cascade:
     return Cascade(now, tested, spared | table.transient, tuple(fired))
 
 
+class Known:
+    """The cascades of one transition of level 0 that were run: found again by the values of the places they look at.
+
+    Most look at some places in common; by the values of these (`common`) they are sorted into buckets, each a table of
+    places that were looked at, and their values.
+    """
+
+    def __init__(self) -> None:
+        self.common = -1
+        self.buckets: dict[int, dict[int, dict[int, Step]]] = {}
+
+    def add(self, depends: int, value: int, step: Step) -> None:
+        """Another cascade: the places it depends on, their values, and what it does."""
+        common = self.common & depends
+        if common != self.common:
+            tables = [table for bucket in self.buckets.values() for table in bucket.items()]
+            self.common, self.buckets = common, {}
+            for mask, by_value in tables:
+                for known, made in by_value.items():
+                    self.buckets.setdefault(known & common, {}).setdefault(mask, {})[known] = made
+        self.buckets.setdefault(value & common, {}).setdefault(depends, {})[value] = step
+
+
 class Controller:
     """The rules found so far, and the cascades that none of them covers yet."""
 
@@ -182,25 +210,32 @@ class Controller:
         self.table = masks(net)
         self.number = {event.name: index for index, event in enumerate(net.events)}
         self.rules: list[Rule] = []
-        self.known: dict[tuple[int, int, int, int, int], int] = {}
-        self.starts: dict[int, list[tuple[int, int, int]]] = {}
+        self.numbers: dict[tuple[int, int, int, int, int], int] = {}
+        self.units = [marking(unit) for unit in net.units]
+        self.starts: dict[int, list[tuple[int, int, int, Known]]] = {}
         for index, one in enumerate(net.transitions):
             if one.level is Level.EVENT and one.event:
-                row = (self.number[one.event], index, self.table.before[index])
+                row = (self.number[one.event], index, self.table.before[index], Known())
                 self.starts.setdefault(1 << one.before[0], []).append(row)
-        self.memo: list[dict[int, dict[int, tuple[int, int, int]]]] = [{} for _ in net.transitions]
 
-    def learn(self, event: int, start: int, state: int) -> tuple[int, int, int]:
-        """Runs a cascade; what it keeps and fills in any marking that looks the same to it, and its rule."""
+    def learn(self, event: int, start: int, state: int, known: Known) -> Step:
+        """Runs a cascade; what it keeps and fills in any marking that looks the same to it, and its rule.
+
+        Of places of which always one is marked, all count as looked at where one was: that tells as much, and makes
+        cascades look at the same places, which are then found faster.
+        """
         done = cascade(self.table, state, start)
         cleared, filled = state & ~done.result, done.result & ~state
         rule = (event, done.tested, state & done.tested, cleared, filled)
-        index = self.known.setdefault(rule, len(self.rules))
+        index = self.numbers.setdefault(rule, len(self.rules))
         if index == len(self.rules):
             self.rules.append(Rule(*rule))
         depends = done.tested | done.spared
+        for unit in self.units:
+            if unit & depends & ~self.table.transient:
+                depends |= unit
         step = (~cleared, filled, index)
-        self.memo[start].setdefault(depends, {})[state & depends] = step
+        known.add(depends, state & depends, step)
         return step
 
 
@@ -216,27 +251,28 @@ def alternatives_graph(net: Net, budget: int = BUDGET) -> AlternativesGraph | Bu
     """
     controller = Controller(net)
     starts = controller.starts
-    memo = controller.memo
     first_marking = initial_marking(net)
     index = {first_marking: 0}
     states = [first_marking]
     first, events, targets, used = array("Q", [0]), array("H"), array("I"), array("I")
     add_event, add_target, add_rule = events.append, targets.append, used.append
     triggers = sum(starts)
+    nothing: dict[int, dict[int, Step]] = {}
     for state in states:
         present = state & triggers
         while present:
             low = present & -present
             present ^= low
-            for event, start, needed in starts[low]:
+            for event, start, needed, known in starts[low]:
                 if state & needed != needed:
                     continue
-                for mask, by_value in memo[start].items():
+                step = None
+                for mask, by_value in known.buckets.get(state & known.common, nothing).items():
                     step = by_value.get(state & mask)
                     if step is not None:
                         break
-                else:
-                    step = controller.learn(event, start, state)
+                if step is None:
+                    step = controller.learn(event, start, state, known)
                 kept, filled, rule = step
                 after = state & kept | filled
                 target = index.get(after)

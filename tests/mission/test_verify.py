@@ -72,7 +72,7 @@ def test_a_net_is_printed_by_parts_and_levels() -> None:
         "net R: 10 places, 10 transitions\n"
         "\n"
         "places\n"
-        "  R          free*  busy  OOS  failingF  failingB  available*  take  answer  release  error\n"
+        "  R          free*  busy  OOS  available*  failingF  failingB  take  answer  release  error\n"
         "\n"
         "level 4: resources and activities\n"
         "  R.take!: R.take + R.free -> R.answer + R.busy\n"
