@@ -21,37 +21,42 @@ PLAIN = 1_000
 """Transient markings, up to which the full graph is compared state by state in the fast form."""
 
 
-def check(plan: Mission, inside: int, plain: int, packed: int) -> bool:
-    """Whether the full graph was within reach; asserts all that is asked of a sound mission.
+def check(plan: Mission, inside: int, plain: int, packed: int) -> tuple[bool, bool]:
+    """Whether all orders could be followed, and whether the full graph was within reach.
 
-    inside: markings in cascades, up to which all orders are followed.
+    Asserts all that is asked of a sound mission. inside: markings in cascades, up to which all orders are followed;
+    plain and packed: markings up to which the full graph is compared state by state, and by the number of states.
     """
     assert not contentions(plan)
     graph = graph_of(plan)
     found = confluence(graph, inside)
-    assert found.complete or inside < 1_000_000
     assert found.holds
     if found.complete and found.markings <= plain:
         full = explore(graph.net)
         assert isinstance(full, Explored)
         assert full.safe
         assert {full.markings[state] for state in full.stable} == set(graph.markings)
-        return True
+        return True, True
     counted = markings_graph(graph.net, packed) if packed else None
     if isinstance(counted, MarkingsGraph):
         assert counted.safe
         assert counted.stable == len(graph.markings)
-    return isinstance(counted, MarkingsGraph)
+    return found.complete, isinstance(counted, MarkingsGraph)
 
 
 def test_random_missions_are_safe_and_confluent_and_their_graphs_agree() -> None:
     wanted = int(os.environ.get("MAUVE_RANDOM_MISSIONS", SOME))
-    inside, plain, packed = (3_000, PLAIN, 0) if wanted <= SOME else (5_000_000, 20_000, 3_000_000)
+    long = wanted > SOME
+    inside, plain, packed = (300_000, 20_000, 2_000_000) if long else (3_000, PLAIN, 0)
     found: Counter[str] = Counter()
-    compared = 0
+    proven = compared = 0
     for seed in range(wanted):
         plan = random_mission(seed)
         found.update(features(plan))
-        compared += check(plan, inside, plain, packed)
-    assert all(found[one] >= wanted / 10 for one in FEATURES), found
-    assert compared >= (0.5 if wanted <= SOME else 0.99) * wanted
+        complete, full = check(plan, inside, plain, packed)
+        proven, compared = proven + complete, compared + full
+    counts = f"{wanted} missions, {proven} in all orders, {compared} with the full graph, {dict(found)}"
+    print(counts)
+    assert all(found[one] >= wanted / 10 for one in FEATURES), counts
+    assert proven >= (0.98 if long else 0.5) * wanted, counts
+    assert compared >= (0.98 if long else 0.4) * wanted, counts
