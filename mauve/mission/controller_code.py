@@ -184,6 +184,12 @@ static unsigned first_start(const ${name}_state *state, unsigned event)
     return UINT32_MAX;
 }
 
+static void copy(${name}_state *to, const ${name}_state *from)
+{
+    for (unsigned i = 0; i < ${words}; i++)
+        to->words[i] = from->words[i];
+}
+
 bool ${name}_step(${name}_state *state, unsigned event)
 {
     if (event >= ${NAME}_EVENTS)
@@ -194,12 +200,13 @@ bool ${name}_step(${name}_state *state, unsigned event)
     uint32_t candidates[CANDIDATE_WORDS];
     for (unsigned i = 0; i < CANDIDATE_WORDS; i++)
         candidates[i] = 0;
-    ${name}_state now = *state;
+    ${name}_state now;
+    copy(&now, state);
     for (unsigned i = 0; i < LONGEST; i++) {
         fire(&now, candidates, next);
         next = most_urgent(&now, candidates);
         if (next == CANDIDATE_WORDS * 32) {
-            *state = now;
+            copy(state, &now);
             return true;
         }
     }
