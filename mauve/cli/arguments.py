@@ -217,12 +217,34 @@ def _add_explain(commands: _Commands) -> None:
     parser.add_argument("code", metavar="CODE", help="e.g. MV601, or its name, deadline-missed")
 
 
+def _add_schedule(commands: _Commands) -> None:
+    parser = commands.parser(
+        "response times of a plain task set, without a model",
+        "Bound the response time of each task of a set with fixed priorities on one processor: mauve.taskset/1 (JSON), "
+        "CSV with the columns name, T, D, C, prio, J and B, MAST text, or Cheddar XML.",
+        f"example: mauvec schedule tasks.json --sensitivity. {CODES}.",
+    )
+    add = parser.add_argument
+    add("file", metavar="TASKS", help="the task set: .json, .csv, .txt or .mast (MAST), .xml (Cheddar)")
+    add("--method", choices=METHODS, default="trace", help="how responses are bounded (default: trace)")
+    add("--format", choices=("text", "json"), default="text", help="how the answer is shown (default: text)")
+    policy = "given (default; what is missing by rate), rm: rate, dm: deadline monotonic, optimal: Audsley's assignment"
+    add("--priorities", choices=("given", "rm", "dm", "optimal"), default="given", help=policy)
+    sensitivity = "how much costs, periods, priorities and the processor's speed may change"
+    add("--sensitivity", action="store_true", help=sensitivity)
+    add("--export", choices=("mast",), help="write the set in this format instead of analysing it")
+    add("-o", "--output", metavar="FILE", help="where --export writes (default: standard output)")
+    color = "colours: on a terminal unless NO_COLOR is set (auto, the default), always, or never"
+    add("--color", choices=("auto", "always", "never"), default="auto", help=color)
+
+
 COMMANDS: dict[str, Callable[[_Commands], None]] = {
     "check": _add_check,
     "wcet": _add_wcet,
     "facts": _add_facts,
     "mission": _add_mission,
     "simulate": _add_simulate,
+    "schedule": _add_schedule,
     "explain": _add_explain,
 }
 """What adds the parser of each command; `mauve.cli.NAME.run` runs it."""

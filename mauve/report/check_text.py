@@ -9,7 +9,7 @@ from mauve.diagnostics.style import Role, Style
 from mauve.lower.codels import CodelTime, Source
 from mauve.lower.placed import PlacedTask
 from mauve.report.flows import format_flows
-from mauve.report.table import Align, Cell, Column, Row, format_table
+from mauve.report.table import Align, Cell, Column, Row, format_table, percent
 from mauve.timing.response import Analysis, Method
 from mauve.timing.task import Kind, Task, trace_length
 from mauve.units import format_time
@@ -175,11 +175,6 @@ def _overhead(task: Task) -> Row:
     """An interrupt or the tick: it interferes and has no verdict."""
     name = f"({task.name})"
     return (name, format_time(task.period), "", "", format_time(task.demand(1)), percent(float(task.load)), "", "", "")
-
-
-def percent(part: float) -> str:
-    """A part of the whole: `36.6 %`."""
-    return f"{100 * part:.1f} %"
 
 
 def _left_out(result: DeploymentResult) -> list[str]:

@@ -107,3 +107,8 @@ def _line(columns: Sequence[Column], row: Sequence[Cell], widths: Sequence[int],
         else:
             parts.append(painted + (padding if index < last else ""))
     return (indent + GAP.join(parts[: last + 1])).rstrip()
+
+
+def percent(part: float) -> str:
+    """A part of the whole: `36.6 %`."""
+    return f"{100 * part:.1f} %"

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from pathlib import PurePath
 
 from mauve.diagnostics.style import Role, Style
-from mauve.report.check_text import frequency, grouped, percent
-from mauve.report.table import Align, Cell, Column, Row, format_table
+from mauve.report.check_text import frequency, grouped
+from mauve.report.table import Align, Cell, Column, Row, format_table, percent
 from mauve.units import format_time
 from mauve.wcet.hardware.board import Board
 from mauve.wcet.result import LoopResult, Origin, WcetResult
