@@ -89,6 +89,7 @@ def _add_check(commands: _Commands) -> None:
     format_ = "full: for people (default); short: messages one a line; json, sarif, github: for programs"
     add("--format", choices=FORMATS, default="full", help=format_)
     add("--emit", choices=STAGES, help="print what this stage made instead of the tables")
+    add("--details", action="store_true", help="show responses term by term, per state and transition; shares of flows")
     _add_common(parser)
 
 

@@ -67,7 +67,7 @@ def _write_result(arguments: Namespace, result: CheckResult, messages: Sequence[
             from mauve.report.check_text import format_check
 
             _write_beside(arguments, messages)
-            sys.stdout.write(format_check(result, style(arguments), table_width()))
+            sys.stdout.write(format_check(result, style(arguments), table_width(), arguments.details))
 
 
 def _write_beside(arguments: Namespace, messages: Sequence[Diagnostic]) -> None:

@@ -8,8 +8,9 @@ from mauve.diagnostics.diagnostic import Diagnostic, Severity
 from mauve.diagnostics.render_json import to_plain
 from mauve.lower.codels import CodelTime
 from mauve.lower.placed import PlacedTask
+from mauve.report.details import bill_plain, details_plain
 from mauve.report.flows import flow_plain
-from mauve.timing.bill import Bill, BillLine, deadline_bill, worst_bill
+from mauve.timing.bill import deadline_bill, worst_bill
 from mauve.timing.response import Analysis, ResponseResult
 from mauve.timing.task import Kind, Task, trace_length
 from mauve.verdict.result import CheckResult, DeploymentResult, NodeResult, executed
@@ -122,8 +123,9 @@ def _component(placed: PlacedTask, analysis: Analysis, complete: bool) -> dict[s
         "load": float(analysed.load),
         "trace_ps": list(analysed.trace(length)),
         **_response(result, complete),
-        "bill": _bill(worst_bill(analysis, task.name)),
-        "miss": _bill(deadline_bill(analysis, task.name)),
+        "bill": bill_plain(worst_bill(analysis, task.name), placed),
+        "miss": bill_plain(deadline_bill(analysis, task.name), placed),
+        **details_plain(placed, analysis),
     }
 
 
@@ -138,28 +140,4 @@ def _response(result: ResponseResult, complete: bool) -> dict[str, object]:
         "schedulable": result.schedulable if certain else None,
         "reason": reason if certain else "incomplete",
         "caveats": [caveat.value for caveat in result.caveats],
-    }
-
-
-def _bill(bill: Bill | None) -> dict[str, object] | None:
-    """The work of a window, term by term: `due` is blocking, own and interference together."""
-    if bill is None:
-        return None
-    return {
-        "job": bill.job,
-        "window_ps": bill.window,
-        "due_ps": bill.due,
-        "blocking_ps": bill.blocking,
-        "own": _line(bill.own),
-        "interference": [_line(line) for line in bill.others],
-    }
-
-
-def _line(line: BillLine) -> dict[str, object]:
-    return {
-        "task": line.task,
-        "kind": line.kind.value,
-        "jobs": line.jobs,
-        "cost_ps": line.cost,
-        "overhead_ps": line.overhead,
     }

@@ -70,6 +70,10 @@ def _deployment(result: DeploymentResult, style: Style, limit: int | None, detai
         lines.append(_origins(result))
     for node in result.nodes:
         lines += ["", *_node(node, result, style, limit)]
+    for node in result.nodes if details else ():
+        from mauve.report.details import format_details
+
+        lines += format_details(node, style)
     lines += format_flows(result.flows, style, limit, details)
     left_out = _left_out(result)
     if left_out:

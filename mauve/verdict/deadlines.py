@@ -97,10 +97,10 @@ def _missed(
     return Diagnostic("MV601", message, Label(placed.span), severity, labels, "", notes, _shrink_help(shrinks), data)
 
 
-def bill_text(bill: Bill, placed: PlacedTask) -> str:
+def bill_text(bill: Bill, placed: PlacedTask, head: str = "") -> str:
     """The bill as lines: what is due by the deadline, dearest interferer first, the task's own work last."""
     which = "" if bill.job == 1 else f" of its job {bill.job}"
-    head = f"by {format_time(bill.window)}{which}, {format_time(bill.due)} of work is due:"
+    head = head or f"by {format_time(bill.window)}{which}, {format_time(bill.due)} of work is due:"
     rows = [_row(line) for line in bill.others]
     if bill.blocking:
         blocker = placed.blocker

@@ -250,3 +250,10 @@ def test_a_standard_board_is_found_whether_or_not_its_module_is_imported(mauvec:
     first = mauvec("check", model(plain))
     assert first.code == 0 and "generic-arm926ej-s" in first.out
     assert mauvec("check", model(imported)) == first
+
+
+def test_details_show_bills_and_responses_per_state_and_transition(mauvec: Command, model: Callable[[str], str]) -> None:
+    run = mauvec("check", model(MODEL), "--details")
+    assert run.code == 0
+    assert "responds within" in run.out and "of its own" in run.out
+    assert "transition" in run.out and "stays" in run.out
