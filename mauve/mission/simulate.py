@@ -121,13 +121,20 @@ def told(answer: Stepped | Refused) -> str:
     change, now = answer.change, answer.session.view
     marks = [("+", change.begun), ("-", change.ended)]
     lines = [f"  {mark} objective {path}" for mark, paths in marks for path in paths]
-    lines += [f"  - {activity} stops ({one})" for activity, one in change.stopped]
-    lines += [f"  + {activity} runs ({one})" for activity, one in change.started]
+    old, new = dict(change.stopped), dict(change.started)
+    lines += [f"  - {activity} stops{_way(one)}" for activity, one in change.stopped if activity not in new]
+    lines += [f"  ~ {name} switches from {old[name]} to {one}" for name, one in new.items() if name in old]
+    lines += [f"  + {activity} runs{_way(one)}" for activity, one in change.started if activity not in old]
     lines += [f"  ! {activity} has no alternative left" for activity in change.failed]
     lines += [f"  ! {name} is out of service" for name in change.lost]
     lines += [f"  + {name} is back in service" for name in change.recovered]
     lines += [f"  mission: {now.outcome}"] if change.outcome else []
     return "\n".join([answer.event, *(lines or ["  nothing changes"])])
+
+
+def _way(alternative: str) -> str:
+    """An alternative in words, where there is a choice."""
+    return "" if alternative == "only" else f" ({alternative})"
 
 
 def _meant(session: Session, typed: str) -> Event | str:

@@ -22,8 +22,8 @@ def emit_mission(form: str, result: MissionResult, stem: str | None = None) -> s
 
             return format_objectives(result.plan)
         case "net" | "net-dot":
+            from mauve.mission.dot import net_dot
             from mauve.mission.printing import net_text
-            from mauve.report.mission_dot import net_dot
 
             return net_text(result.net) if form == "net" else net_dot(result.net)
         case "pnml":
@@ -43,12 +43,23 @@ def emit_mission(form: str, result: MissionResult, stem: str | None = None) -> s
 
 
 def _of_graph(form: str, result: MissionResult) -> str:
-    from mauve.report.mission_dot import alternatives_dot, alternatives_json
-    from mauve.report.mission_graphs import format_alternatives
-
     if result.graph is None:
         raise ValueError(f"the mission {result.mission.name} has too many states for one graph")
-    return {"dot": alternatives_dot, "json": alternatives_json}.get(form, format_alternatives)(result.graph)
+    match form:
+        case "dot":
+            from mauve.mission.dot import graph_dot
+
+            return graph_dot(result.graph)
+        case "json":
+            import json
+
+            from mauve.mission.graph_json import graph_document
+
+            return json.dumps(graph_document(result.graph), indent=1) + "\n"
+        case _:
+            from mauve.report.mission_graphs import format_alternatives
+
+            return format_alternatives(result.graph)
 
 
 def _controller(form: str, result: MissionResult, stem: str | None) -> str:

@@ -47,7 +47,8 @@ def test_a_lost_sensor_switches_the_alternative() -> None:
     assert done.change.lost == ("gps_sensor",) and not done.change.begun and not done.change.ended
     assert done.fired > 5
     text = told(done)
-    assert "  + localisation runs (imu)" in text and "  ! gps_sensor is out of service" in text
+    assert "  ~ localisation switches from gps to imu" in text and "  - gps_driver stops\n" in text
+    assert "  ! gps_sensor is out of service" in text
     assert refused(done.session, "lose gps_sensor") == "gps_sensor is out of service already"
     assert refused(session, "recover gps_sensor") == "gps_sensor is in service"
 

@@ -168,7 +168,7 @@ def test_a_script_is_stepped(capsys: pytest.CaptureFixture[str], good: str, tmp_
     script.write_text("start\nlose Gps   # to the other alternative\nok Move\n", encoding="utf-8")
     assert main(["mission", good, "--simulate", "--events", str(script)]) == 0
     out = capsys.readouterr().out
-    assert "localisation runs (imu)" in out and "out of service: Gps" in out and "objectives: Look" in out
+    assert "localisation switches from gps to imu" in out and "out of service: Gps" in out and "objectives: Look" in out
 
 
 def test_a_refused_event_of_a_script_fails(capsys: pytest.CaptureFixture[str], good: str, tmp_path: Path) -> None:
