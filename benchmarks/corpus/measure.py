@@ -36,7 +36,7 @@ def measure(path: Path, source: Path, arguments: argparse.Namespace) -> Row:
              str(arguments.observe)]  # fmt: skip
     image = name_of(path)
     row: Row = {"program": image.program, "compiler": image.compiler, "core": image.core, "mode": arguments.mode}
-    limit = 3 * arguments.timeout + 4 * arguments.observe + 60
+    limit = 15 * (arguments.timeout + arguments.observe) + 60
     started = time.perf_counter()
     try:
         run = subprocess.run(words, capture_output=True, text=True, timeout=limit)
@@ -114,8 +114,8 @@ def _arguments() -> argparse.Namespace:
     parser.add_argument("--sample", type=int, default=0, help="so many images, all programs in turn (default: all)")
     parser.add_argument("--seed", type=int, default=1, help="of the sample")
     parser.add_argument("--inputs", type=int, default=10, help="random inputs of each image")
-    parser.add_argument("--observe", type=float, default=10.0, help="seconds after which no further input is run")
-    parser.add_argument("--timeout", type=float, default=60.0, help="seconds of analysis per function")
+    parser.add_argument("--observe", type=float, default=10.0, help="processor seconds for further inputs")
+    parser.add_argument("--timeout", type=float, default=60.0, help="processor seconds of the analysis")
     parser.add_argument("--jobs", type=int, default=2)
     parser.add_argument("--out", type=Path, help="the rows, as JSON")
     parser.add_argument("--failures", type=Path, help="the table and the ranked list, as text")

@@ -95,7 +95,7 @@ def failures(rows: Sequence[Row]) -> str:
         if title != last:
             lines += ["", f"## {title}"]
             last = title
-        builds = [f"{row['compiler']} {row['core']}" for row, _ in cases]
+        builds = list(dict.fromkeys(f"{row['compiler']} {row['core']}" for row, _ in cases))
         lines += [f"* {place}: {len(builds)} builds ({', '.join(builds[:6])}{', ...' if len(builds) > 6 else ''})"]
         lines += [f"    {text}" for text in dict.fromkeys(detail for _, detail in cases[:3])]
         lines += [f"    {reproduce(cases[0][0])}"]
@@ -125,13 +125,15 @@ def _faults(row: Row) -> list[tuple[int, str, str, str]]:
     if row.get("failed"):
         faults.append((6, "Executions that did not end", program, row["failed"]))
     said_of = {problem["address"]: problem["message"] for problem in row.get("problems", ())}
+    other = "; ".join(p["message"] for p in row.get("problems", ())[:1])
     for loop in row.get("loops", ()):
         place = f"{program} {loop['source'] or loop['function']}"
         at = f"{loop['function']} at {loop['header']:#x}, seen {loop['seen']}"
         if unsound(loop):
             faults.append((1, "Bounds below an execution", place, f"{at}, bound {loop['bound']} ({loop['method']})"))
         elif unbounded(loop):
-            why = said_of.get(loop["header"], loop["method"]) if loop["bound"] is None else f"bound {loop['bound']}"
+            why = said_of.get(loop["header"]) or loop["method"] or other
+            why = why if loop["bound"] is None else f"bound {loop['bound']}"
             faults.append((3, "Loops without a bound", place, f"{at}: {why}"))
         elif typical(loop):
             faults.append((4, "Bounds that may be a type's range", place, f"{at}, bound {loop['bound']}"))
