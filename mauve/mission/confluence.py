@@ -209,19 +209,22 @@ def _random_orders(table: Masks, state: int, events: list[int], orders: int, ran
     """A few random orders of a cascade; they prove nothing, but find most mistakes."""
     ends: dict[int, tuple[int, ...]] = {}
     unsafe = markings = 0
+    steady = armed(table, state)
     enabled = [event for event in events if not table.before[event] & ~state]
     for number in range(orders + 1):
         event = random.choice(enabled) if number else enabled[0]
         unsafe |= state & table.filled[event]
         marking, candidates = state & ~table.taken[event] | table.filled[event], table.wakes[event]
+        live = steady & ~table.disarmed[event] | table.armed[event]
         order = [event]
         while True:
-            candidates, firing, _ = _enabled(table, marking, candidates & armed(table, marking), 0)
+            candidates, firing, _ = _enabled(table, marking, candidates & live, -1)
             if not firing:
                 break
             index = random.choice(list(bits(firing))) if number else (firing & -firing).bit_length() - 1
             unsafe |= marking & table.filled[index]
             marking = marking & ~table.taken[index] | table.filled[index]
+            live = live & ~table.disarmed[index] | table.armed[index]
             order.append(index)
             if len(order) > LONGEST:
                 raise EndlessCascade(index)
