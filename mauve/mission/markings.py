@@ -8,8 +8,9 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from mauve.mission.graph import BudgetExceeded, MarkingsGraph
-from mauve.mission.net import Level, Net
+from mauve.mission.net import Level, Net, marking
 from mauve.mission.stable import armed, bits, initial_marking, masks, multipliers
+from mauve.mission.verify import verify
 from mauve.records import record
 
 if TYPE_CHECKING:
@@ -78,7 +79,10 @@ def markings_graph(net: Net, budget: int = BUDGET, plain: int = PLAIN) -> Markin
 
 @record
 class _Packed:
-    """A transition over words of 64 places: pairs (word, bits); what it needs, and the places that change."""
+    """A transition over words of 64 places, as pairs (word, bits): what it needs, rarest first, and what changes.
+
+    fills: the places filled that its shape does not show to be free.
+    """
 
     before: int
     filled: int
@@ -102,9 +106,14 @@ def _packed(net: Net, budget: int) -> MarkingsGraph | BudgetExceeded:
         return tuple((word, numpy.uint64(part)) for word, part in parts if part)
 
     levels: list[list[_Packed]] = [[] for _ in Level]
+    units = [marking(unit) for unit in net.units] if not verify(net) else []
     for index, level in enumerate(table.levels):
         before, taken, filled = table.before[index], table.taken[index], table.filled[index]
-        levels[level].append(_Packed(before, filled, split(before), split(filled), split(taken | filled)))
+        for unit in units:  # the token of a unit moves: where it goes there was none
+            if unit & taken:
+                filled &= ~unit
+        toggled = taken | table.filled[index]
+        levels[level].append(_Packed(before, filled, split(before)[::-1], split(filled), split(toggled)))
     layer = numpy.zeros((words, 1), dtype=numpy.uint64)
     for word, part in split(initial_marking(net)):
         layer[word, 0] = part
