@@ -33,10 +33,12 @@ from mauve.verdict.flows import check_flows, report_flows
 from mauve.verdict.result import CheckResult, DeploymentResult, NodeResult
 
 if TYPE_CHECKING:
+    from mauve.timing.response import Analysis
     from mauve.timing.simulation.horizon import Asked
     from mauve.timing.simulation.outcome import Simulated
     from mauve.timing.simulation.system import Settings as SimulationSettings
     from mauve.verdict.missions import MissionOptions, MissionResult
+    from mauve.verdict.modes import ModesResult
     from mauve.wcet.batch import Progress, Settings
     from mauve.wcet.flow.facts import Fact
     from mauve.wcet.hardware.board import Board
@@ -91,8 +93,8 @@ def check(path: str, options: Options, report: Report) -> CheckResult:
     if model is None or report.has_errors:
         return CheckResult(path, modules, model, ())
     wanted = _wanted(model, options.deployment)
-    results = tuple(check_deployment(deployment, options, report) for deployment in wanted)
     missions = check_missions(model, None, report)
+    results = tuple(check_deployment(deployment, options, report, missions) for deployment in wanted)
     return CheckResult(path, modules, model, results, missions)
 
 
@@ -121,18 +123,26 @@ def _wanted(model: Model, name: str | None) -> list[Deployment]:
     return [d for d in chosen if not d.abstract or d.name == name]
 
 
-def check_deployment(deployment: Deployment, options: Options, report: Report) -> DeploymentResult:
-    """Codels -> WCETs -> PSMs -> tasks -> response times -> verdict, of one deployment."""
-    result = analyse_deployment(deployment, options, report)
+def check_deployment(
+    deployment: Deployment, options: Options, report: Report, missions: Sequence[MissionResult] = ()
+) -> DeploymentResult:
+    """Codels -> WCETs -> PSMs -> tasks -> response times -> verdict, of one deployment and the missions it carries."""
+    result = analyse_deployment(deployment, options, report, missions)
     for node in result.nodes:
-        if node.analysis is not None:
+        if node.analysis is not None and not result.modes:
             report_node(deployment, node.tasks, node.analysis, report)
     report_flows(deployment, result.flows, report)
+    for modes in result.modes:
+        from mauve.verdict.mode_messages import report_modes
+
+        report_modes(modes, deployment, report)
     report_expectation(deployment, result.holds, result.complete, report)
     return result
 
 
-def analyse_deployment(deployment: Deployment, options: Options, report: Report) -> DeploymentResult:
+def analyse_deployment(
+    deployment: Deployment, options: Options, report: Report, missions: Sequence[MissionResult] = ()
+) -> DeploymentResult:
     """Codels -> WCETs -> PSMs -> tasks -> response times; missed deadlines are in the result, not in the report."""
     plans = plan_codels(deployment)
     derivation = _derive(deployment, plans, options, report)
@@ -140,12 +150,41 @@ def analyse_deployment(deployment: Deployment, options: Options, report: Report)
     times = {codel.plan.id: codel.time for codel in codels if codel.time is not None}
     built = build_machines(deployment, times)
     placed = task_sets(deployment, built, times, report)
+    if missions:
+        from mauve.lower.modes import with_controllers
+
+        placed = with_controllers(placed, [result.mission for result in missions], report)
     nodes = _respond(deployment, placed, derivation, options.method)
     complete = derivation.complete and _complete(codels, nodes)
+    modes = _modes(deployment, missions, placed, derivation, options.method, report) if complete else ()
     flows = check_flows(deployment, [(node.tasks, node.analysis) for node in nodes]) if complete else ()
     met = all(node.analysis is not None and node.analysis.schedulable for node in nodes)
+    if modes:
+        met = all(mode.holds for mode in modes)
     holds = complete and met and all(flow.holds for flow in flows)
-    return DeploymentResult(deployment, codels, built, nodes, complete, holds, flows)
+    return DeploymentResult(deployment, codels, built, nodes, complete, holds, flows, modes)
+
+
+def _modes(
+    deployment: Deployment,
+    missions: Sequence[MissionResult],
+    placed: Sequence[NodeTasks],
+    derivation: Derivation,
+    method: Method,
+    report: Report,
+) -> tuple[ModesResult, ...]:
+    """The modes of each mission that runs instances of this deployment; empty where those of one are not known: then
+    all tasks together must hold their deadlines."""
+    if not missions:
+        return ()
+    from mauve.verdict.modes import check_modes
+
+    def respond(nodes: Sequence[NodeTasks]) -> tuple[tuple[NodeTasks, Analysis | None], ...]:
+        return tuple((node.tasks, node.analysis) for node in _respond(deployment, nodes, derivation, method))
+
+    found = [check_modes(result, deployment, placed, respond, report) for result in missions]
+    known = tuple(each for each in found if each is not None)
+    return known if len(known) == len(missions) else ()
 
 
 def _derive(deployment: Deployment, plans: tuple[CodelPlan, ...], options: Options, report: Report) -> Derivation:

@@ -146,6 +146,8 @@ RULES: dict[str, Rule] = {
         Rule("MV720", "too-many-states", WARNING),
         Rule("MV721", "check-fails", ERROR),
         Rule("MV722", "untied-activity", NOTE),
+        Rule("MV723", "unclear-instance", ERROR),
+        Rule("MV724", "mode-unschedulable", ERROR),
         Rule("MV725", "check-undecided", ERROR),
         # 9 internal
         Rule("MV901", "internal", ERROR),

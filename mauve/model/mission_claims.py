@@ -197,12 +197,20 @@ def resolve_controller(decl: written.MissionDecl, home: Home, report: Report) ->
     sporadic = settings.get(ast.Execution.SPORADIC)
     period = settings.get(ast.Execution.PERIOD) or sporadic
     own = bool(written_.attributes) or written_.wcet is not None
-    if own and (period is None or written_.wcet is None or written_.runs is not None):
-        lacking = "a `period` or `sporadic` separation" if period is None else "a `wcet`"
-        message = f"the task of the controller has not {lacking}"
+    priority, deadline = settings.get(ast.Execution.PRIORITY), settings.get(ast.Execution.DEADLINE)
+    lacking = [
+        word
+        for word, given in (
+            ("a `period` or a `sporadic` separation", period),
+            ("a `priority`", priority),
+            ("a `wcet`", written_.wcet),
+        )
+        if given is None
+    ]
+    if own and (lacking or written_.runs is not None):
+        message = f"the task of the controller has not {' nor '.join(lacking)}"
         if written_.runs is not None:
             message = "the controller has either an instance or a task of its own"
         help_ = Fix("write `generate controller { period 10ms  priority 40  wcet 200us }`")
         report.add(Diagnostic("MV401", message, Label(written_.span), help=help_))
-    priority, deadline = settings.get(ast.Execution.PRIORITY), settings.get(ast.Execution.DEADLINE)
     return Controller(instance, period, sporadic is not None, priority, deadline, wcet, written_.span)

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from mauve.diagnostics.diagnostic import Diagnostic, Severity
 from mauve.diagnostics.render_json import to_plain
 from mauve.lower.codels import CodelTime
 from mauve.lower.placed import PlacedTask
+from mauve.records import changed
 from mauve.report.details import bill_plain, details_plain
 from mauve.report.flows import flow_plain
 from mauve.timing.bill import deadline_bill, worst_bill
@@ -32,18 +33,33 @@ def check_document(result: CheckResult, diagnostics: Sequence[Diagnostic], versi
     `holds` is true exactly when `mauvec check` exits with 0.
     """
     errors = any(d.severity is Severity.ERROR for d in diagnostics)
-    return {
+    missions = result.missions
+    document: dict[str, object] = {
         "schema": SCHEMA,
         "tool": {"name": "mauvec", "version": version},
         "file": result.path,
-        "holds": not errors and all(d.as_expected for d in result.deployments),
+        "holds": not errors and all(d.as_expected for d in result.deployments) and all(m.holds for m in missions),
         "deployments": [_deployment(deployment) for deployment in result.deployments],
         "diagnostics": [to_plain(diagnostic) for diagnostic in diagnostics],
     }
+    if missions:
+        from mauve.report.mission_json import mission_document
+
+        document["missions"] = mission_document(missions)["missions"]
+    return document
 
 
 def _deployment(result: DeploymentResult) -> dict[str, object]:
+    """A deployment; where the modes of a mission count, responses are the worst of any mode, and have no bill."""
     deployment = result.deployment
+    worst: Mapping[str, ResponseResult] | None = None
+    modes: dict[str, object] = {}
+    if result.modes:
+        from mauve.report.modes_json import modes_document
+        from mauve.report.modes_text import worst_responses
+
+        worst = worst_responses(result.modes)
+        modes = {"modes": [modes_document(one) for one in result.modes]}
     return {
         "name": deployment.name,
         "architecture": deployment.architecture.name,
@@ -53,7 +69,8 @@ def _deployment(result: DeploymentResult) -> dict[str, object]:
         "expected_unschedulable": deployment.expect_unschedulable is not None,
         "codels": [_codel(codel) for codel in result.codels],
         "flows": [flow_plain(flow) for flow in result.flows],
-        "nodes": [_node(node, result.complete) for node in result.nodes],
+        "nodes": [_node(node, result.complete, worst) for node in result.nodes],
+        **modes,
     }
 
 
@@ -78,7 +95,7 @@ def _analysis(result: WcetResult) -> dict[str, object]:
 
 
 # ------------------------------------------------------------------------------------------------------ components
-def _node(node: NodeResult, complete: bool) -> dict[str, object]:
+def _node(node: NodeResult, complete: bool, worst: Mapping[str, ResponseResult] | None) -> dict[str, object]:
     board = node.tasks.node.board
     analysis = node.analysis
     return {
@@ -89,7 +106,7 @@ def _node(node: NodeResult, complete: bool) -> dict[str, object]:
         "context_switch_ps": board.context_switch,
         "load": sum(float(task.interferer.load) for task in analysis.tasks) if analysis else None,
         "method": analysis.method.value if analysis else None,
-        "components": [_component(placed, analysis, complete) for placed in node.tasks.tasks] if analysis else [],
+        "components": [_component(p, analysis, complete, worst) for p in node.tasks.tasks] if analysis else [],
         "overheads": [_overhead(task) for task in analysis.tasks if task.kind is not Kind.TASK] if analysis else [],
     }
 
@@ -104,9 +121,13 @@ def _overhead(task: Task) -> dict[str, object]:
     }
 
 
-def _component(placed: PlacedTask, analysis: Analysis, complete: bool) -> dict[str, object]:
+def _component(
+    placed: PlacedTask, analysis: Analysis, complete: bool, worst: Mapping[str, ResponseResult] | None
+) -> dict[str, object]:
     task = placed.task
     result = analysis.result(task.name)
+    if worst is not None:
+        result = worst.get(task.name, changed(result, wcrt=0, reason=None))
     analysed = executed(placed, analysis)
     length = min(TRACE_LENGTH, trace_length(task, [t for t in analysis.tasks if t.kind is Kind.TASK]))
     return {
@@ -123,8 +144,8 @@ def _component(placed: PlacedTask, analysis: Analysis, complete: bool) -> dict[s
         "load": float(analysed.load),
         "trace_ps": list(analysed.trace(length)),
         **_response(result, complete),
-        "bill": bill_plain(worst_bill(analysis, task.name), placed),
-        "miss": bill_plain(deadline_bill(analysis, task.name), placed),
+        "bill": bill_plain(worst_bill(analysis, task.name), placed) if worst is None else None,
+        "miss": bill_plain(deadline_bill(analysis, task.name), placed) if worst is None else None,
         **details_plain(placed, analysis),
     }
 

@@ -8,9 +8,10 @@ from itertools import groupby
 from mauve.diagnostics.style import Role, Style
 from mauve.lower.codels import CodelTime, Source
 from mauve.lower.placed import PlacedTask
+from mauve.records import changed
 from mauve.report.flows import format_flows
 from mauve.report.table import Align, Cell, Column, Row, format_table, percent
-from mauve.timing.response import Analysis, Method
+from mauve.timing.response import Analysis, Method, ResponseResult
 from mauve.timing.task import Kind, Task, trace_length
 from mauve.units import format_time
 from mauve.verdict.result import CheckResult, DeploymentResult, NodeResult, executed
@@ -70,6 +71,10 @@ def _deployment(result: DeploymentResult, style: Style, limit: int | None, detai
         lines.append(_origins(result))
     for node in result.nodes:
         lines += ["", *_node(node, result, style, limit)]
+    for modes in result.modes:
+        from mauve.report.modes_text import mode_lines
+
+        lines += ["", *mode_lines(modes, style, limit)]
     for node in result.nodes if details else ():
         from mauve.report.details import format_details
 
@@ -130,21 +135,37 @@ def _node(node: NodeResult, result: DeploymentResult, style: Style, limit: int |
     analysis = node.analysis
     if analysis is None:
         return [f"  node {node.tasks.node.name}: nothing to analyse"]
-    rows = [_task(placed, analysis, result.complete) for placed in node.tasks.tasks]
+    worst = _worst(result)
+    rows = [_task(placed, analysis, result.complete, worst) for placed in node.tasks.tasks]
     rows += [_overhead(task) for task in analysis.tasks if task.kind is not Kind.TASK]
     total = sum(float(task.interferer.load) for task in analysis.tasks)
     name = node.tasks.node.name
-    rows.append((Cell(f"load of {name}", Role.MESSAGE), "", "", "", "", Cell(percent(total), Role.MESSAGE), "", "", ""))
+    title = f"load of {name}" + (", all together" if worst is not None else "")
+    rows.append((Cell(title, Role.MESSAGE), "", "", "", "", Cell(percent(total), Role.MESSAGE), "", "", ""))
     switch = node.tasks.node.board.context_switch
     about = f"; each activation includes two context switches of {format_time(switch)}" if switch else ""
     method = f"  response times by the {analysis.method.value} method{about}"
     return [*format_table(COMPONENTS, rows, style, limit=limit), method]
 
 
-def _task(placed: PlacedTask, analysis: Analysis, complete: bool) -> Row:
-    """A component. In an incomplete deployment a response is what it is at least, and only a miss is certain."""
+def _worst(result: DeploymentResult) -> dict[str, ResponseResult] | None:
+    """The responses by task where those of a mission's modes count; None where those of all tasks together do."""
+    if not result.modes:
+        return None
+    from mauve.report.modes_text import worst_responses
+
+    return worst_responses(result.modes)
+
+
+def _task(placed: PlacedTask, analysis: Analysis, complete: bool, worst: dict[str, ResponseResult] | None) -> Row:
+    """A component. In an incomplete deployment a response is what it is at least, and only a miss is certain. `worst`
+    are its responses in the modes of a mission; one that runs in none has none."""
     task = placed.task
     result = analysis.result(task.name)
+    if worst is not None and task.name in worst:
+        result = worst[task.name]
+    elif worst is not None:
+        result = changed(result, wcrt=0, reason=None)
     wcrt = "no bound" if result.wcrt is None else format_time(result.wcrt)
     slack = "" if result.slack is None else format_time(result.slack, down=True)
     if not result.schedulable:
@@ -192,7 +213,9 @@ def _verdict(result: DeploymentResult, style: Style) -> str:
     name = result.deployment.name
     expected = result.deployment.expect_unschedulable is not None
     count = sum(len(node.tasks.tasks) for node in result.nodes)
-    missed = sum(not r.schedulable for n in result.nodes if n.analysis for r in n.analysis.results)
+    worst = _worst(result)
+    together = [r for n in result.nodes if n.analysis for r in n.analysis.results]
+    missed = sum(not r.schedulable for r in (together if worst is None else worst.values()))
     if not result.complete:
         certain = f"; {missed} of {count} deadlines missed already" if missed else ""
         return style.paint(Role.ERROR, f"{name}: incomplete, no verdict{certain}")
@@ -202,6 +225,7 @@ def _verdict(result: DeploymentResult, style: Style) -> str:
         every = "the deadline holds" if count == 1 else f"all {count} deadlines hold"
         if asked:
             every = f"{count} deadline{'s' if count > 1 else ''} and {asked} flow{'s' if asked > 1 else ''} hold"
+        every += " in every mode and switch" if worst is not None else ""
         text = f"{name}: {every}, {_certainty(result)}" + (", unexpectedly" if expected else "")
         return style.paint(Role.ERROR if expected else Role.HELP, text)
     words = [f"{missed} of {count} deadlines missed"] if missed or not late else []

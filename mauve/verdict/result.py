@@ -21,6 +21,7 @@ from mauve.verdict.flows import FlowResult
 
 if TYPE_CHECKING:
     from mauve.verdict.missions import MissionResult
+    from mauve.verdict.modes import ModesResult
 
 
 @record
@@ -44,7 +45,8 @@ def executed(placed: PlacedTask, analysis: Analysis) -> Task:
 class DeploymentResult:
     """One deployment. `complete` says that every codel has a time and every task a place; `holds` that it is complete
     and every deadline and flow is proven. Where it is not complete, the responses leave the missing work out: they are
-    not bounds yet, and can only grow."""
+    not bounds yet, and can only grow. `modes` has the missions whose activities it runs: then the deadlines of each
+    mode and of each switch decide, not those of all tasks together."""
 
     deployment: Deployment
     codels: tuple[CodelTime, ...]
@@ -53,10 +55,13 @@ class DeploymentResult:
     complete: bool
     holds: bool
     flows: tuple[FlowResult, ...] = ()
+    modes: tuple[ModesResult, ...] = ()
 
     @property
     def schedulable(self) -> bool:
         """Whether it is complete and every deadline is proven, whatever is asked of flows."""
+        if self.modes:
+            return self.complete and all(mode.holds for mode in self.modes)
         return self.complete and all(n.analysis is not None and n.analysis.schedulable for n in self.nodes)
 
     @property
