@@ -52,9 +52,9 @@ def _task(
 ) -> SimTask:
     held = _held(placed, connected, shared)
     locked = [*_codels(held, times), *_exchange(placed, node, deployment)]
-    return SimTask(
-        executed(task), locked=tuple(locked), sporadic=any(instance.sporadic for instance in placed.instances)
-    )
+    sporadic = any(instance.sporadic for instance in placed.instances)
+    waits = tuple((wait.label, wait.time) for wait in placed.waits)
+    return SimTask(executed(task), locked=tuple(locked), sporadic=sporadic, waits=waits)
 
 
 def _held(placed: PlacedTask, connected: Services, shared: Shared) -> dict[CodelId, list[str]]:

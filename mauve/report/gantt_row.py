@@ -48,6 +48,7 @@ class Row:
     jobs: tuple[Job, ...]
     segments: tuple[Segment, ...]
     waits: tuple[Waiting, ...]
+    away: tuple[Segment, ...] = ()
 
 
 def rows(outcome: Outcome, order: Sequence[tuple[Measures, int | None]], top: float) -> list[Row]:
@@ -70,6 +71,7 @@ def rows(outcome: Outcome, order: Sequence[tuple[Measures, int | None]], top: fl
             tuple(jobs[one.task]),
             tuple(segments[one.task]),
             tuple(waiting[one.task]),
+            tuple(away for away in outcome.waits if away.task == one.task),
         )
         for number, (one, bound) in enumerate(order)
     ]
@@ -83,6 +85,9 @@ def draw_row(row: Row, scene: Scene) -> Iterator[str]:
     marks: dict[int, list[str]] = defaultdict(list)
     for wait in row.waits:
         marks[wait.job].append(_wait(wait, scene.axis, base))
+    for away in row.away:
+        x = scene.axis.x(away.start)
+        marks[away.job].append(f'<path class="away" d="M{x:.2f} {base - 2.5:.1f}H{scene.axis.x(away.end):.2f}"/>')
     for segment in row.segments:
         marks[segment.job] += _segment(segment, row.colour, scene.axis, base)
     for job in row.jobs:

@@ -52,6 +52,7 @@ def _processor(outcome: Outcome, bounds: Mapping[str, int | None]) -> dict[str, 
         "window": {"from": start, "to": end},
         "jobs": [_job(job, outcome.end) for job in outcome.jobs],
         "segments": [_segment(segment) for segment in outcome.segments],
+        "waits": [_segment(segment) for segment in outcome.waits],
     }
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from bisect import bisect_right
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from enum import Enum
 
 from mauve.records import record
@@ -72,15 +72,29 @@ def waits(outcome: Outcome) -> tuple[Waiting, ...]:
     start, end = outcome.window
     priorities = {one.task: one.priority for one in outcome.tasks}
     starts = [segment.start for segment in outcome.segments]
+    away: dict[tuple[str, int], list[Segment]] = {}
+    for one in outcome.waits:
+        away.setdefault((one.task, one.job), []).append(one)
     found: list[Waiting] = []
     free: dict[str, int] = {}
     for job in sorted(outcome.jobs, key=lambda one: one.number):
         first = max(job.release, start, free.get(job.task, 0))
         last = min(end, outcome.end if job.finish is None else job.finish)
         free[job.task] = max(last, free.get(job.task, 0))
-        at = max(0, bisect_right(starts, first) - 1)
-        found += _gaps(job, first, last, outcome.segments, at, priorities)
+        for since, until in _present(first, last, away.get((job.task, job.number), ())):
+            at = max(0, bisect_right(starts, since) - 1)
+            found += _gaps(job, since, until, outcome.segments, at, priorities)
     return tuple(found)
+
+
+def _present(first: int, last: int, away: Sequence[Segment]) -> Iterator[tuple[int, int]]:
+    """What is left of a stretch without those in which the job is away by itself."""
+    for one in away:
+        if one.start > first:
+            yield first, min(one.start, last)
+        first = max(first, one.end)
+    if first < last:
+        yield first, last
 
 
 def _gaps(

@@ -10,6 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from mauve.report.simulation_views import Wait, waits
+from mauve.timing.psm import CostPart, PsmTransition, make_psm
 from mauve.timing.response import Method, analyse
 from mauve.timing.simulation.choices import generator, steps
 from mauve.timing.simulation.engine import simulate
@@ -28,9 +29,11 @@ from mauve.timing.simulation.system import (
     Runs,
     Settings,
     SimTask,
+    executed,
     hyperperiod,
     simulated,
 )
+from mauve.timing.suspension import with_waits
 from mauve.timing.task import Interrupt, Kind, Platform, Section, Task, Workload, constant, frames, machine, on_platform
 
 from .systems import systems
@@ -312,3 +315,25 @@ def test_sections_of_a_task_become_stays_by_label() -> None:
     assert one.locked == (Locked("t", (Hold(("R", "S"), 3),)),)
     assert one.holds == (Hold(("Q",), 2),)
     assert Kind.TASK is one.task.kind and Method.TRACE.value == "trace"
+
+
+def test_a_task_that_waits_leaves_the_processor_and_stays_below_its_bound() -> None:
+    """C = 5, T = 10, that waits up to 4, above a task of 5: naive 10, true 15."""
+    parts = (CostPart("a", 1), CostPart("wait", 0), CostPart("b", 4))
+    psm = make_psm("c", "s", [PsmTransition("s", "s", 5, parts=parts)])
+    plain = task("c", 2, 10, machine(psm))
+    own = constant("c", 9)
+    low = task("l", 1, 100, 5)
+    found = analyse([with_waits(plain, (own,), 9), low])
+    waiting = SimTask(executed(with_waits(plain, (own,), 9)), waits=(("wait", 4),))
+    longest = simulate(on(waiting, low), Settings(60))
+    assert chart(longest) == "cllllcccclc----cccc-" + 4 * "c----cccc-"
+    seen = [longest]
+    seen += [
+        simulate(on(waiting, low), Settings(60, seed, Offsets.RANDOM, execution=Execution.RANDOM)) for seed in range(30)
+    ]
+    for one in seen:
+        assert (one.measures("l").greatest or 0) <= (found.result("l").wcrt or 0) == 15
+        assert (one.measures("c").greatest or 0) <= 9
+    assert (longest.preemptions, longest.idle) == (1, 60 - 5 * 6 - 5)
+    assert [w.end - w.start for w in longest.waits] == [4] * len(longest.waits)

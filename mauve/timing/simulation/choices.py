@@ -174,7 +174,7 @@ def _reachable(psm: Psm, out: dict[str, list[PsmTransition]]) -> list[str]:
 @record
 class Piece:
     """A stretch of a job's execution: `section` numbers the section that it belongs to, 0 for none; in the `tail` the
-    job is not preempted any more."""
+    job is not preempted any more; `wait` is time that the job spends off the processor instead."""
 
     length: int
     label: str
@@ -183,6 +183,7 @@ class Piece:
     above_all: bool = False
     switch: bool = False
     tail: bool = False
+    wait: bool = False
 
 
 Plan = tuple[str, tuple[Piece, ...]]
@@ -200,6 +201,7 @@ def plans(one: SimTask, settings: Settings, lengths: Sequence[int], rng: Random)
         for part, length in zip(task.work, lengths, strict=True)
     ]
     locked = {part.label: part.holds for part in one.locked}
+    waits = dict(one.waits)
     anywhere = settings.runs is Runs.RANDOM and bool(one.holds)
     number = 0
     while True:
@@ -211,12 +213,15 @@ def plans(one: SimTask, settings: Settings, lengths: Sequence[int], rng: Random)
                 name, parts = next(source)
                 names.append(name)
                 for work in parts:
+                    if work.label in waits:
+                        pieces += [_wait(work.label, waits[work.label], settings, rng) for _ in range(work.count)]
+                        continue
                     held = locked.get(work.label, ()) * work.count
                     pieces += _overlay([Piece(work.cost, work.label)], held, numbers)
-        held = _spread(one.holds, sum(piece.length for piece in pieces), rng) if anywhere else one.holds
+        held = _spread(one.holds, sum(p.length for p in pieces if not p.wait), rng) if anywhere else one.holds
         pieces = _overlay(pieces, held, numbers)
         if settings.execution is Execution.RANDOM:
-            pieces = [_shortened(piece, rng) for piece in pieces]
+            pieces = [piece if piece.wait else _shortened(piece, rng) for piece in pieces]
         yield ", ".join(filter(None, names)), _with_tail(_switched(pieces, task.overhead), task.tail)
         number += 1
 
@@ -225,6 +230,12 @@ def _share(task: Task, part: Workload, runs: Runs, rng: Random) -> tuple[int, in
     """In which jobs a workload takes part: every so many, and from which on."""
     every = (part.period or task.period) // task.period
     return every, rng.randrange(every) if runs is Runs.RANDOM else 0
+
+
+def _wait(label: str, most: int, settings: Settings, rng: Random) -> Piece:
+    """A wait: the longest, or a random part of that."""
+    length = rng.randint(0, most) if settings.execution is Execution.RANDOM else most
+    return Piece(length, label, wait=True)
 
 
 def _spread(holds: Sequence[Hold], work: int, rng: Random) -> tuple[Hold, ...]:
@@ -249,6 +260,9 @@ def _overlay(pieces: Sequence[Piece], holds: Sequence[Hold], numbers: Iterator[i
         over = next(numbers) if hold.resources or hold.above_all else 0, hold.resources, hold.above_all
         while need > 0 and left:
             piece = left.pop()
+            if piece.wait:
+                found.append(piece)
+                break
             taken = min(need, piece.length)
             own = piece.section, piece.resources, piece.above_all
             found.append(Piece(taken, piece.label, *(own if piece.section else over)))
@@ -274,13 +288,19 @@ def _switched(pieces: Sequence[Piece], overhead: int) -> tuple[Piece, ...]:
 
 
 def _with_tail(pieces: tuple[Piece, ...], tail: int) -> tuple[Piece, ...]:
-    """The last `tail` units of execution marked as what nothing but interrupts preempts."""
+    """The last `tail` units of execution marked as what nothing but interrupts preempts.
+
+    A section that would last into it ends where it begins, as the analysis counts the two apart: with what is more
+    urgent between them.
+    """
+    if not tail:
+        return pieces
     found: list[Piece] = []
     for piece in reversed(pieces):
         taken = min(tail, piece.length)
         tail -= taken
         if taken:
-            found.append(changed(piece, length=taken, tail=True))
+            found.append(Piece(taken, piece.label, switch=piece.switch, tail=True))
         if piece.length > taken:
             found.append(changed(piece, length=piece.length - taken))
     return tuple(reversed(found))

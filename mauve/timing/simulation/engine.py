@@ -88,15 +88,18 @@ class _Run:
         self.running: _Job | None = None
         self.last: _Job | None = None
         self.since = 0
+        self.yielded = False
         self.jobs: list[Job] = []
         self.segments: list[Segment] = []
+        self.waits: list[Segment] = []
         self.choice = generator(settings, processor.name, "order")
         protected = settings.protocol is not Protocol.NONE
         self.protected, self.ceilings = protected, processor.ceilings()
         self.eager = settings.protocol is Protocol.EAGER
         self.top = max((one.task.priority for one in processor.tasks if one.task.kind is Kind.TASK), default=0)
         self.tracks = self._tracks()
-        self.coming: list[tuple[int, int, int]] = []
+        # Time, whether it is a release (an answer comes before), the task, the arrival.
+        self.coming: list[tuple[int, bool, int, int]] = []
         for track in self.tracks:
             self._expect(track)
 
@@ -162,12 +165,15 @@ class _Run:
     def _expect(self, track: _Track) -> None:
         """Note the next release of a task."""
         arrival, release = next(track.arrivals)
-        heappush(self.coming, (release, track.index, arrival))
+        heappush(self.coming, (release, True, track.index, arrival))
 
     def _release(self) -> None:
         while self.coming and self.coming[0][0] <= self.now:
-            release, index, arrival = heappop(self.coming)
+            release, new, index, arrival = heappop(self.coming)
             track = self.tracks[index]
+            if not new:
+                self._resume(track.queue[0])
+                continue
             track.released += 1
             job = _Job(track, track.released, arrival, release)
             track.queue.append(job)
@@ -258,7 +264,12 @@ class _Run:
 
     # ---------------------------------------------------------------------------------------------------- dispatch
     def _dispatch(self) -> None:
-        """Let the most urgent ready job run."""
+        """Let the most urgent ready job run; one that starts to wait makes way at once."""
+        self._choose()
+        while self.running is None and self.ready:
+            self._choose()
+
+    def _choose(self) -> None:
         self._finish_empty()
         running = self.running
         if running is not None and self.ready and self._goes_before(self.ready[0][1], running):
@@ -289,20 +300,41 @@ class _Run:
             last = self.last
             if last is None or last.track is not job.track:
                 self.switches += 1
-                if last is not None and last.at < len(last.pieces):
+                if last is not None and last.at < len(last.pieces) and not self.yielded:
                     last.preemptions += 1
                     last.track.preemptions += 1
                     self.preemptions += 1
-            self.last = job
+            self.last, self.yielded = job, False
         self._enter(job)
 
     def _enter(self, job: _Job) -> None:
         """Enter the section of the piece that starts now; a job that may not be preempted holds the processor."""
         task, piece = job.track.task, job.pieces[job.at]
-        if piece.tail or not task.preemptive:
+        if piece.wait:
+            self._suspend(job)
+        elif piece.tail or not task.preemptive:
             job.held, job.priority = -1, max(task.priority, self.top)
         elif piece.section and job.held == 0 and self.protected:
             job.held, job.priority = piece.section, max(task.priority, self._ceiling(job))
+
+    def _suspend(self, job: _Job) -> None:
+        """Take a job that waits off the processor until its answer comes."""
+        end = self.now + job.left
+        start_shown, end_shown = self.window
+        if self.now < end_shown and end > start_shown:
+            label = job.pieces[job.at].label
+            self.waits.append(Segment(job.track.task.name, job.number, self.now, end, Activity.WAIT, label))
+        heappush(self.coming, (end, False, job.track.index, 0))
+        self.running, self.yielded = None, True
+
+    def _resume(self, job: _Job) -> None:
+        """Let a job compete again, or end, where the wait was the last that it did."""
+        job.at += 1
+        if job.at >= len(job.pieces):
+            self._finish(job)
+            return
+        job.left = job.pieces[job.at].length
+        heappush(self.ready, (job.key(), job))
 
     def _close(self, job: _Job) -> None:
         """Note the segment that ends now, where it is to be kept."""
@@ -323,5 +355,5 @@ class _Run:
                 self._account(job, None)
         return Outcome(
             self.processor, self.settings, self.now, cut, self.events, tuple(track.measures() for track in self.tracks),
-            tuple(self.jobs), tuple(self.segments), self.busy, self.switches, self.preemptions,
+            tuple(self.jobs), tuple(self.segments), self.busy, self.switches, self.preemptions, tuple(self.waits),
         )  # fmt: skip

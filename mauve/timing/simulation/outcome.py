@@ -15,6 +15,8 @@ from mauve.timing.task import Kind
 class Activity(Enum):
     """What a job does in a segment."""
 
+    WAIT = "wait"
+    """Off the processor, for an answer of another task; only among the waits of an outcome."""
     WORK = "work"
     SECTION = "section"
     SWITCH = "switch"
@@ -102,7 +104,8 @@ class Outcome:
 
     `switches` counts how often the processor went from one task to another (idle time in between or not, interrupts
     and ticks aside), `preemptions` how often an unfinished job had to make way for another task's. `jobs` in the order
-    of their ends, unfinished ones last, and `segments` in time are those that touch the window.
+    of their ends, unfinished ones last, `segments` in time, and `waits`, in which a job has left the processor by
+    itself, are those that touch the window.
     """
 
     processor: Processor
@@ -116,6 +119,7 @@ class Outcome:
     busy: int
     switches: int
     preemptions: int
+    waits: tuple[Segment, ...] = ()
 
     @property
     def idle(self) -> int:

@@ -41,13 +41,15 @@ class SimTask:
 
     `locked` says it by the label of the work. `holds` lie at the start of each job's work, as far as the job is long
     enough, or, where runs are random, anywhere in this order. One of length 0 only says that the task uses the
-    resource, which raises its ceiling. A `sporadic` task may arrive later than its period says.
+    resource, which raises its ceiling. A `sporadic` task may arrive later than its period says. `waits` are the parts
+    of its work, by label, at which a job leaves the processor, each with the time that it does so at most.
     """
 
     task: Task
     holds: tuple[Hold, ...] = ()
     locked: tuple[Locked, ...] = ()
     sporadic: bool = False
+    waits: tuple[tuple[str, int], ...] = ()
 
     def uses(self) -> set[str]:
         """The resources that it holds in some section."""
@@ -63,7 +65,7 @@ def simulated(task: Task, sporadic: bool = False) -> SimTask:
 
 
 def executed(task: Task) -> Task:
-    """What a task executes: one that suspends itself is simulated without its waits, so earlier than it may be."""
+    """What a task executes: of one that suspends itself (`suspension.py`), the work without the waits."""
     curve = task.outside.work[0].curve if task.outside is not None and task.outside.work else None
     return curve.task if isinstance(curve, CarryInCurve) else task
 
