@@ -13,6 +13,7 @@ from string import Template
 
 from mauve.mission import controller_code as code
 from mauve.mission.controller import WORD, Cascades, Controller, Observer, Rules, identifiers
+from mauve.mission.stable import bits
 from mauve.records import record
 
 __all__ = ["CFiles", "c_files"]
@@ -95,9 +96,9 @@ def _rules(rules: Rules) -> str:
 def _cascades(net: Cascades) -> str:
     """The transitions as lists of places, and the cascade: the candidates are kept as bits, most urgent first."""
     lists: dict[str, Sequence[Sequence[int]]] = {
-        "needs": [_bits(one[0]) for one in net.transitions],
-        "takes": [_bits(one[1]) for one in net.transitions],
-        "fills": [_bits(one[2]) for one in net.transitions],
+        "needs": [list(bits(one[0])) for one in net.transitions],
+        "takes": [list(bits(one[1])) for one in net.transitions],
+        "fills": [list(bits(one[2])) for one in net.transitions],
         "waiting": net.waiting,
         "starts": net.starts,
     }
@@ -145,10 +146,6 @@ def _cells(first: int, second: int) -> list[str]:
         if one or other:
             cells.append(f"{{{_hex(one)}, {_hex(other)}, {at}}}")
     return cells
-
-
-def _bits(places: int) -> list[int]:
-    return [at for at in range(places.bit_length()) if places >> at & 1]
 
 
 def _lists(name: str, lists: Sequence[Sequence[int]]) -> str:

@@ -17,7 +17,8 @@ from collections.abc import Callable, Iterable
 
 from mauve.mission.graph import AlternativesGraph
 from mauve.mission.net import EventKind
-from mauve.mission.survey import RESOURCE_EVENTS, Survey, bits
+from mauve.mission.stable import bits
+from mauve.mission.survey import RESOURCE_EVENTS, Survey
 from mauve.records import record
 
 __all__ = ["ObjectiveCuts", "Sets", "minimal_hitting_sets", "mission_cuts", "objective_cuts"]
@@ -82,7 +83,7 @@ def minimal_hitting_sets(sets: Iterable[int]) -> list[int]:
         hit = [known for known in found if known & one]
         grown = {known | 1 << bit for known in found if not known & one for bit in bits(one)}
         found = hit + [new for new in _least(grown) if not any(known & ~new == 0 for known in hit)]
-    return sorted(found, key=lambda one: (one.bit_count(), bits(one)))
+    return sorted(found, key=lambda one: (one.bit_count(), list(bits(one))))
 
 
 def _least(sets: Iterable[int]) -> list[int]:

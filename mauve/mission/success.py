@@ -5,7 +5,7 @@ from __future__ import annotations
 from mauve.mission.formula import SuccessReachable, Verdict
 from mauve.mission.graph import AlternativesGraph
 from mauve.mission.net import EventKind
-from mauve.mission.survey import RESOURCE_EVENTS, Survey, backward, bits, sources_of, trace
+from mauve.mission.survey import RESOURCE_EVENTS, Survey, backward, sources_of, trace
 
 __all__ = ["check_success"]
 
@@ -66,8 +66,3 @@ def _run(graph: AlternativesGraph, came: dict[int, tuple[int, int] | None], stat
         state = step[0]
         names.append(graph.net.events[step[1]].name)
     return tuple(reversed(names))
-
-
-def names_of(seen: Survey, lost: int) -> tuple[str, ...]:
-    """The hardware that a set of bits names."""
-    return tuple(seen.hardware[at] for at in bits(lost))

@@ -9,7 +9,7 @@ from mauve.mission.graph import AlternativesGraph
 from mauve.mission.net import EventKind, marking
 from mauve.records import record
 
-__all__ = ["RESOURCE_EVENTS", "Survey", "backward", "bits", "labels", "sources_of", "survey", "trace"]
+__all__ = ["RESOURCE_EVENTS", "Survey", "backward", "labels", "sources_of", "survey", "trace"]
 
 RESOURCE_EVENTS = frozenset([EventKind.LOST, EventKind.RECOVERED])
 """Events of hardware, which can happen whatever the mission does."""
@@ -107,8 +107,3 @@ def trace(seen: Survey, state: int) -> tuple[str, ...]:
 def source_of(graph: AlternativesGraph, edge: int) -> int:
     """The state that an edge leaves."""
     return bisect_right(graph.first, edge) - 1
-
-
-def bits(number: int) -> list[int]:
-    """The positions of the ones of a number, smallest first."""
-    return [at for at in range(number.bit_length()) if number >> at & 1]
