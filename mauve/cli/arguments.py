@@ -175,7 +175,7 @@ def _add_simulate(commands: _Commands) -> None:
         f"example: mauvec simulate robot.mauve --format svg -o robot.svg. {CODES}.",
     )
     add = parser.add_argument
-    add("file", metavar="FILE", help="the model, e.g. robot.mauve")
+    add("file", metavar="FILE", help="a model, e.g. robot.mauve, or a plain task set: .json, .csv, .mast, .txt, .xml")
     add("--deployment", metavar="D", help="simulate this deployment only (default: all that are not abstract)")
     formats = "text (default); json; svg: a Gantt chart; perfetto: a trace for ui.perfetto.dev; csv: jobs or segments"
     add("--format", choices=("text", "json", "svg", "perfetto", "csv", "segments-csv"), default="text", help=formats)

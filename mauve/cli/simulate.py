@@ -34,11 +34,9 @@ if TYPE_CHECKING:
 
 def run(arguments: Namespace) -> int:
     """Simulate and write; 0 where no deadline was missed, or where the model expects that."""
-    asked = _asked(arguments, "ps")
-    if isinstance(asked, str):
-        return wrong_usage(asked)
     report = Report()
-    runs = _simulate_model(arguments, asked, report)
+    model = not arguments.file.lower().endswith((".json", ".csv", ".xml", ".mast", ".txt"))
+    runs = _simulate_model(arguments, report) if model else _simulate_sets(arguments, report)
     if isinstance(runs, int):
         return runs
     messages = [message for message in filter_allowed(report) if message.code != "MV420"]
@@ -57,11 +55,33 @@ def run(arguments: Namespace) -> int:
     return 1 if report.has_errors or not runs or missed else 0
 
 
-def _simulate_model(arguments: Namespace, asked: Asked, report: Report) -> tuple[Simulated, ...] | int:
+def _simulate_sets(arguments: Namespace, report: Report) -> tuple[Simulated, ...] | int:
+    """The simulations of plain task sets; an exit code where a time asked for is none of theirs."""
+    from mauve.tasksets.read import read_tasksets
+    from mauve.tasksets.simulated import clock, simulate_set
+
+    if arguments.deployment is not None:
+        return wrong_usage("a plain task set has no deployments")
+    document = read_tasksets(arguments.file, report)
+    runs = []
+    for taskset in document.sets:
+        if taskset is not None:
+            ticks = clock(taskset)
+            asked = _asked(arguments, taskset.unit, ticks.per_unit)
+            if isinstance(asked, str):
+                return wrong_usage(asked)
+            runs.append(simulate_set(taskset, arguments.file, _settings(arguments), asked))
+    return tuple(runs)
+
+
+def _simulate_model(arguments: Namespace, report: Report) -> tuple[Simulated, ...] | int:
     """The simulations of a model; an exit code where the deployment asked for does not exist."""
     from mauve.pipeline import Options, simulate
     from mauve.report.progress import progress
 
+    asked = _asked(arguments, "ps", 0)
+    if isinstance(asked, str):
+        return wrong_usage(asked)
     with progress(sys.stderr, "codels") as told:
         options = Options(
             arguments.deployment, cache=not arguments.no_cache, workers=os.cpu_count() or 1, progress=told
@@ -88,11 +108,12 @@ def _settings(arguments: Namespace) -> Settings:
     )
 
 
-def _asked(arguments: Namespace, unit: str) -> Asked | str:
-    """The times asked for, in this unit; what is wrong with them where something is."""
+def _asked(arguments: Namespace, unit: str, ticks: int) -> Asked | str:
+    """The times asked for, in ticks of which a unit has so many (0: a number alone means nothing, and a unit is one
+    tick); what is wrong with them where something is."""
     found: dict[str, int | None] = {}
     for option, given in (("--for", arguments.length), ("--from", arguments.start), ("--to", arguments.end)):
-        time = None if given is None else _in_unit(given, unit)
+        time = None if given is None else _in_ticks(given, unit, ticks)
         if isinstance(time, str):
             return f"{option}: {time}"
         found[option] = time
@@ -106,18 +127,18 @@ def _asked(arguments: Namespace, unit: str) -> Asked | str:
     return Asked(length, arguments.hyperperiod, start, end)
 
 
-def _in_unit(duration: tuple[Fraction, str], unit: str) -> int | str:
-    """A time as a whole number of units; what is wrong with it where it is none. Without a unit it is in units of a
-    plain set, but has no meaning for a model."""
+def _in_ticks(duration: tuple[Fraction, str], unit: str, ticks: int) -> int | str:
+    """A time as a whole number of ticks; what is wrong with it where it is none."""
     value, given = duration
-    if not given and unit == "ps" and value:
+    if not given and not ticks and value:
         return "say the unit, e.g. 20ms"
     if given and unit not in TIME_UNITS:
         return f"the times of this file have no unit of time{f' ({unit})' if unit else ''}: give a plain number"
     factor = Fraction(TIME_UNITS[given], TIME_UNITS[unit]) if given else Fraction(1)
-    if (value * factor).denominator != 1:
-        return f"{value}{given} is no whole number of {unit or 'units'}"
-    return int(value * factor)
+    time = value * factor * max(1, ticks)
+    if time.denominator != 1:
+        return f"{float(value):g}{given} is finer than the times of this file"
+    return int(time)
 
 
 def _render(arguments: Namespace, runs: Sequence[Simulated]) -> str:

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 
 from mauve.diagnostics.display import width
 from mauve.diagnostics.style import Role, Style
-from mauve.report.simulation_views import NOT_A_BOUND, Wait, describe, reach_note, show_time, waits
+from mauve.report.simulation_views import NOT_A_BOUND, Wait, describe, reach_note, show_mean, show_time, waits
 from mauve.report.table import Align, Cell, Column, format_table
 from mauve.timing.simulation.outcome import Activity, Measures, Outcome, Simulated
 from mauve.timing.task import Kind
@@ -72,8 +72,7 @@ def _row(one: Measures, bound: int | None, outcome: Outcome, unit: str) -> list[
     def show(time: int | None) -> str:
         return "" if time is None else show_time(time, unit)
 
-    # Rounded up as all times are: a mean of picoseconds has no use for the rest.
-    mean = None if one.mean is None else -(-one.mean.numerator // one.mean.denominator)
+    mean = "" if one.mean is None else show_mean(one.mean, unit)
     task = one.kind is Kind.TASK
     job = "" if one.worst_job is None else str(one.worst_job)
     return [
@@ -82,7 +81,7 @@ def _row(one: Measures, bound: int | None, outcome: Outcome, unit: str) -> list[
         show(one.period),
         str(one.finished) if one.finished == one.released else f"{one.finished} of {one.released}",
         show(one.least),
-        show(mean),
+        mean,
         show(one.greatest),
         job,
         show(bound),

@@ -5,6 +5,7 @@ from __future__ import annotations
 from bisect import bisect_right
 from collections.abc import Iterator, Mapping, Sequence
 from enum import Enum
+from fractions import Fraction
 
 from mauve.records import record
 from mauve.timing.simulation.outcome import Job, Outcome, Segment, Simulated
@@ -17,6 +18,14 @@ NOT_A_BOUND = "one run out of many: what is seen here is no bound"
 def show_time(time: int, unit: str) -> str:
     """A time with its unit: picoseconds in the unit a person would choose, others as they are."""
     return format_time(time) if unit == "ps" else f"{time}{unit}"
+
+
+def show_mean(time: Fraction, unit: str) -> str:
+    """A mean with its unit, rounded up: a part of a picosecond is of no use, one of a unit is."""
+    if unit == "ps":
+        return format_time(-(-time.numerator // time.denominator))
+    hundredths = -(-100 * time.numerator // time.denominator)
+    return f"{hundredths // 100}.{hundredths % 100:02}".rstrip("0").rstrip(".") + unit
 
 
 def describe(settings: Settings) -> tuple[tuple[str, str], ...]:

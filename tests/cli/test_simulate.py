@@ -167,7 +167,7 @@ def test_tables_of_jobs_and_segments(mauvec: Command, model: Write) -> None:
     [
         (("--for", "10"), "say the unit"),
         (("--for", "0ms"), "nothing to simulate"),
-        (("--for", "0.1ps"), "whole number"),
+        (("--for", "0.1ps"), "is finer than"),
         (("--for", "1s", "--hyperperiod"), "contradict"),
         (("--from", "2ms", "--to", "1ms"), "later than"),
         (("--deployment", "bank"), "`bench`"),
@@ -210,3 +210,48 @@ def test_an_interrupt_ends_it_without_half_a_file(model: Write, environment: dic
     assert process.returncode == 130
     assert "interrupted" in err
     assert not Path("out.txt").exists()
+
+
+# ------------------------------------------------------------------------------------------------- plain task sets
+SETS = [
+    {
+        "schema": "mauve.taskset/1",
+        "unit": "ms",
+        "tasks": [
+            {"name": "a", "T": 4, "C": 1, "prio": 3, "cs": [["R", 1]]},
+            {"name": "b", "T": 6, "frames": [2, 1], "prio": 2},
+            {"name": "c", "T": 12, "C": 3, "prio": 1, "cs": [["R", 2]], "J": 1},
+        ],
+    },
+    {
+        "schema": "mauve.taskset/1",
+        "scheduler": "non-preemptive",
+        "unit": "",
+        "tasks": [
+            {"name": "m", "T": 8.5, "psm": {"initial": "s", "edges": [{"src": "s", "dst": "s", "cost": 2}]}, "prio": 1},
+            {"name": "n", "T": 5, "C": 1.5, "prio": 2},
+        ],
+    },
+]
+
+
+def test_plain_task_sets_are_simulated_in_their_own_units(mauvec: Command, model: Write) -> None:
+    name = model(json.dumps(SETS), "sets.json")
+    found = document(mauvec, name)["simulations"]
+    assert [(one["unit"], one["hyperperiod"]) for one in found] == [("ms", 12), ("/2", 170)]
+    seen = {t["name"]: t["response"]["greatest"] for t in found[0]["processors"][0]["tasks"]}
+    bounds = {t["name"]: t["proven_bound"] for one in found for t in one["processors"][0]["tasks"]}
+    assert seen == {"a": 2, "b": 3, "c": 9}
+    assert all(seen[name] <= bounds[name] for name in seen)
+    text = mauvec("simulate", name, "--for", "24", "--to", "12").out
+    assert "0ms to 24ms" in text and "wcrt" not in text.lower()
+    assert mauvec("simulate", name, "--for", "24ms").code == 2
+    assert mauvec("simulate", name, "--deployment", "d").code == 2
+    assert "<svg" in mauvec("simulate", name, "--format", "svg").out
+
+
+@pytest.mark.parametrize("text", ["{", "[]", "[{}]", '{"schema": "mauve.taskset/1", "tasks": []}'])
+def test_bad_task_sets_are_said(text: str, mauvec: Command, model: Write) -> None:
+    run = mauvec("simulate", model(text, "sets.json"))
+    assert run.code in (0, 1)
+    assert run.code == 0 or run.err
