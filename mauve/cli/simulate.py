@@ -41,8 +41,10 @@ def run(arguments: Namespace) -> int:
         return runs
     messages = [message for message in filter_allowed(report) if message.code != "MV420"]
     write_messages(messages, "short" if arguments.format == "json" else "full", arguments, arguments.file)
+    if not runs and not report.has_errors:
+        print(f"mauvec: `{arguments.file}` has nothing to simulate", file=sys.stderr)
     if not runs and arguments.format != "json":
-        return 1
+        return 1 if report.has_errors else 0
     text = _render(arguments, runs)
     if arguments.output:
         wrong = write_file(arguments.output, text)
@@ -52,7 +54,7 @@ def run(arguments: Namespace) -> int:
     else:
         sys.stdout.write(text)
     missed = any(one.misses and not one.misses_expected for one in runs)
-    return 1 if report.has_errors or not runs or missed else 0
+    return 1 if report.has_errors or missed else 0
 
 
 def _simulate_sets(arguments: Namespace, report: Report) -> tuple[Simulated, ...] | int:
