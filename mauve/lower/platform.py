@@ -7,7 +7,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
-from mauve.model.model import AssumedRange, Board, CodePlace, ControlFact, LoopFact, Node, Wait
+from mauve.model.model import AssumedRange, Board, CodePlace, ControlFact, LoopFact, Node, RecursionFact, Wait
 from mauve.timing.task import Interrupt, Kind, Platform
 from mauve.units import time_to_cycles
 
@@ -53,6 +53,8 @@ def _fact(fact: FlowFact, key: int) -> facts.Fact:
         case LoopFact():
             counting = facts.Counting.BODY if isinstance(place, facts.AtLine) else facts.Counting.HEADER
             return facts.LoopFact(place, fact.maximum, counting, fact.total, where, key)
+        case RecursionFact():
+            return facts.RecursionFact(place, fact.maximum, where, key)
         case ControlFact():
             kind = facts.ControlKind.TARGETS if fact.targets else facts.ControlKind.NO_RETURN
             return facts.ControlFact(kind, place, tuple(_place(target) for target in fact.targets), where, key)

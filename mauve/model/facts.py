@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from mauve.diagnostics.diagnostic import Diagnostic, Fix, Label, Report, Severity
-from mauve.model.model import AssumedRange, CodePlace, ControlFact, LoopFact
+from mauve.model.model import AssumedRange, CodePlace, ControlFact, LoopFact, RecursionFact
 from mauve.records import record
 from mauve.source import Span
 from mauve.syntax import ast
@@ -12,7 +12,7 @@ from mauve.syntax.quantities import size_of
 WIDTHS = (1, 2, 4)
 """The sizes of numbers that can be assumed, in bytes."""
 
-FlowFact = LoopFact | AssumedRange | ControlFact
+FlowFact = LoopFact | RecursionFact | AssumedRange | ControlFact
 
 
 @record
@@ -30,6 +30,7 @@ def binary_facts(item: ast.BinaryDecl, directory: str, report: Report) -> Binary
     """The facts of a declaration; paths are relative to `directory`, that of the model's file."""
     found = (
         *(_loop(loop, report) for loop in item.loops),
+        *(_recursion(one, report) for one in item.recursions),
         *(_range(one, report) for one in item.ranges),
         *(_control(one, report) for one in item.control),
     )
@@ -77,19 +78,32 @@ def _place(item: ast.CodePlace, report: Report) -> CodePlace | None:
     return None
 
 
+def _count(number: ast.Number, what: str, report: Report) -> int | None:
+    """The number of a fact, None where it is none or still has to be written."""
+    if number.text == "?":
+        message = f"the bound is still a `?`: write {what}"
+        report.add(Diagnostic("MV516", message, Label(number.span), Severity.NOTE))
+        return None
+    if not number.is_integer or number.integer < 0:
+        report.add(Diagnostic("MV516", f"`{number.text}` is no number of times", Label(number.span)))
+        return None
+    return number.integer
+
+
 def _loop(item: ast.LoopFactDecl, report: Report) -> LoopFact | None:
-    limits = [number for number in (item.maximum, item.total) if number is not None]
-    for number in limits:
-        if number.text == "?":
-            message = "the bound is still a `?`: write how often the loop runs"
-            report.add(Diagnostic("MV516", message, Label(number.span), Severity.NOTE))
-            return None
-        if not number.is_integer or number.integer < 0:
-            report.add(Diagnostic("MV516", f"`{number.text}` is no number of iterations", Label(number.span)))
-            return None
+    limits = (item.maximum, item.total)
+    maximum, total = (_count(n, "how often the loop runs", report) if n is not None else None for n in limits)
+    if any(n is not None and count is None for n, count in zip(limits, (maximum, total), strict=True)):
+        return None
     place = _place(item.place, report)
-    maximum, total = (number.integer if number else None for number in (item.maximum, item.total))
-    return LoopFact(place, maximum, total, item.span) if place is not None and limits else None
+    return None if place is None or limits == (None, None) else LoopFact(place, maximum, total, item.span)
+
+
+def _recursion(item: ast.RecursionFactDecl, report: Report) -> RecursionFact | None:
+    if item.maximum is None:
+        return None
+    maximum, place = _count(item.maximum, "how many calls are under way at once", report), _place(item.place, report)
+    return RecursionFact(place, maximum, item.span) if place is not None and maximum is not None else None
 
 
 def _control(item: ast.ControlFactDecl, report: Report) -> ControlFact | None:

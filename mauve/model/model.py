@@ -359,6 +359,15 @@ class LoopFact:
 
 
 @record
+class RecursionFact:
+    """How many activations of a function are under way at once."""
+
+    place: CodePlace
+    maximum: int
+    span: Span
+
+
+@record
 class ControlFact:
     """Where an indirect branch or call goes; without targets: a function that does not return."""
 
@@ -386,7 +395,7 @@ class Binary:
 
     path: str
     symbols: tuple[tuple[CodelId, str, Span], ...]
-    facts: tuple[LoopFact | AssumedRange | ControlFact, ...]
+    facts: tuple[LoopFact | RecursionFact | AssumedRange | ControlFact, ...]
     fact_files: tuple[tuple[str, Span], ...]
     span: Span
 

@@ -59,6 +59,8 @@ def _model_lines(one: MissingIn) -> Iterator[str]:
     for problem in one.others:
         if problem.kind in POINTERS and problem.address is not None:
             yield f"  targets {problem.address:#x} to ?  // {_told(problem)}"
+        elif problem.kind is ProblemKind.RECURSION:
+            yield f'  recursion "{problem.function}" max ?  // {_told(problem)}'
         else:
             yield f"  // no fact helps: {_told(problem)}"
 

@@ -11,8 +11,9 @@ from mauve.syntax.build import Action, Clause, Context, check_lines, clause, onl
 from mauve.syntax.tokens import Token
 
 LIMITS = ("max", "total")
+COUNTED = (ast.LoopFactDecl, ast.RecursionFactDecl)
 RANGES = ("argument", "each", "from", "any")
-"""The clauses that follow a loop, and those that follow an assumed range."""
+"""The clauses that follow what is counted, and those that follow an assumed range."""
 
 
 def _binary(context: Context, children: list[Any], start: int, end: int) -> ast.BinaryDecl:
@@ -23,7 +24,8 @@ def _binary(context: Context, children: list[Any], start: int, end: int) -> ast.
     ranges = tuple(fact for fact in facts if isinstance(fact, ast.AssumedRangeDecl))
     symbols, files = only(items, ast.SymbolBinding), only(items, ast.FactsFile)
     control = only(items, ast.ControlFactDecl)
-    return ast.BinaryDecl(children[1], symbols, loops, ranges, control, files, context.span(start, end))
+    recursions = tuple(fact for fact in facts if isinstance(fact, ast.RecursionFactDecl))
+    return ast.BinaryDecl(children[1], symbols, loops, recursions, ranges, control, files, context.span(start, end))
 
 
 def _groups(context: Context, items: list[Any]) -> list[tuple[Any, list[Clause]]]:
@@ -34,7 +36,7 @@ def _groups(context: Context, items: list[Any]) -> list[tuple[Any, list[Clause]]
             groups.append((item, []))
             continue
         owner = groups[-1][0] if groups else None
-        if isinstance(owner, ast.LoopFactDecl if item.word in LIMITS else ast.AssumedRangeDecl):
+        if isinstance(owner, COUNTED if item.word in LIMITS else ast.AssumedRangeDecl):
             groups[-1][1].append(item)
         elif item.word in LIMITS:
             context.error(f'`{item.word}` follows a loop: `loop "file.c:41" {item.word} 6`', item.span)
@@ -52,6 +54,12 @@ def _with_clauses(context: Context, fact: Any, clauses: list[Clause]) -> Any:
             fix = Fix(f"write how often it runs: `{fact.span.text} max 10`")
             context.error("a flow fact of a loop needs `max` or `total`", fact.span, fix=fix)
         return changed(fact, maximum=maximum, total=total, span=span)
+    if isinstance(fact, ast.RecursionFactDecl):
+        maximum, total = (take(context, clauses, word) for word in LIMITS)
+        if maximum is None or total is not None:
+            fix = Fix(f"write how many activations are under way at once: `{fact.span.text} max 8`")
+            context.error("a flow fact of a recursion needs `max`, and no `total`", span, fix=fix)
+        return changed(fact, maximum=maximum, span=span)
     if isinstance(fact, ast.AssumedRangeDecl):
         argument, width, between, free = (take(context, clauses, word) for word in RANGES)
         if (between is None) == (free is None) and context.sound(span, span):
@@ -75,6 +83,10 @@ def _place(context: Context, children: list[Any], start: int, end: int) -> ast.C
 
 def _loop(context: Context, children: list[Any], start: int, end: int) -> ast.LoopFactDecl:
     return ast.LoopFactDecl(children[1], None, None, context.span(start, end))
+
+
+def _recursion(context: Context, children: list[Any], start: int, end: int) -> ast.RecursionFactDecl:
+    return ast.RecursionFactDecl(children[1], None, context.span(start, end))
 
 
 def _given(context: Context, children: list[Any], start: int, end: int) -> ast.AssumedRangeDecl:
@@ -114,6 +126,7 @@ BINARY_ACTIONS: dict[str, Action] = {
     "limit": _limit,
     "facts": _facts,
     "place": _place,
+    "recursion": _recursion,
     "given": _given,
     "targets": _control,
     "noreturn": _control,

@@ -89,7 +89,7 @@ def _blocks(
 def _loops(program: ProgramFlow, lines: Lines) -> tuple[LoopResult, ...]:
     """All loops of all functions and contexts reached, by address; equal ones once."""
     found: dict[LoopResult, None] = {}
-    for (_, context), flow in program.functions.items():
+    for key, flow in program.functions.items():
         for index, loop in enumerate(flow.nest.loops):
             header = flow.cfg.blocks[loop.header].address
             bound = flow.bounds.get(index)
@@ -102,7 +102,7 @@ def _loops(program: ProgramFlow, lines: Lines) -> tuple[LoopResult, ...]:
                     total=None if bound is None else bound.total,
                     origin=None if bound is None else bound.origin,
                     method="" if bound is None else bound.method,
-                    context=context,
+                    context=program.words.get(key, key[1]),
                 )
             ] = None
     return tuple(sorted(found, key=lambda loop: (loop.header, loop.function, loop.context)))

@@ -40,6 +40,15 @@ class LoopFactDecl:
 
 
 @record
+class RecursionFactDecl:
+    """`recursion "walk" max 8`: how many activations are under way at once."""
+
+    place: CodePlace
+    maximum: Number | None
+    span: Span
+
+
+@record
 class AssumedRangeDecl:
     """`assume "sum" argument 2 from 0 to 64`, `assume "offsets" each 2B from -5 to 5`, `assume "buffer" any`.
 
@@ -79,6 +88,7 @@ class BinaryDecl:
     path: String
     symbols: tuple[SymbolBinding, ...]
     loops: tuple[LoopFactDecl, ...]
+    recursions: tuple[RecursionFactDecl, ...]
     ranges: tuple[AssumedRangeDecl, ...]
     control: tuple[ControlFactDecl, ...]
     facts: tuple[FactsFile, ...]

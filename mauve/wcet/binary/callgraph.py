@@ -157,12 +157,12 @@ def order(cfgs: Mapping[int, Cfg]) -> Order:
     for component in strong_components(following, range(len(keys))):
         functions += [keys[number] for number in component]
         if len(component) > 1 or component[0] in following[component[0]]:
-            path = _way_round(component, following)
+            path = way_round(component, following)
             cycles.append(Cycle(frozenset(keys[n] for n in component), tuple(keys[n] for n in path)))
     return Order(tuple(functions), tuple(cycles))
 
 
-def _way_round(component: list[int], following: list[list[int]]) -> list[int]:
+def way_round(component: list[int], following: list[list[int]]) -> list[int]:
     """A shortest cycle through the member that comes first in the program."""
     start = min(component)
     members = set(component)

@@ -105,4 +105,15 @@ class AssumeFact:
     key: int = 0
 
 
-Fact = LoopFact | ControlFact | AssumeFact
+@record
+class RecursionFact:
+    """At most `maximum` activations of the function at `place` are under way at once, from any call that is not made by
+    itself, directly or through others."""
+
+    place: Place
+    maximum: int
+    written: str = ""
+    key: int = 0
+
+
+Fact = LoopFact | ControlFact | AssumeFact | RecursionFact

@@ -19,7 +19,7 @@ from mauve.wcet.binary.loops import Loop, LoopNest, loop_nest
 from mauve.wcet.binary.split import split_irreducible
 from mauve.wcet.flow import effects
 from mauve.wcet.flow.domain import MASK, Range
-from mauve.wcet.flow.effects import UNKNOWN, ProgramCalls, Summary
+from mauve.wcet.flow.effects import ARGUMENTS, UNKNOWN, ProgramCalls, Summary
 from mauve.wcet.flow.execute import GaveUp, Record
 from mauve.wcet.flow.function import Attempt, FunctionResult, Limits, analyse_function
 from mauve.wcet.flow.given import Given, Stated
@@ -36,6 +36,8 @@ MOST_VAIN = 3
 """After so many contexts of a function that bounded no further loop no more are tried."""
 MOST_DEPTH = 12
 """How many calls deep contexts are followed."""
+MOST_CALLS = 48
+"""How many contexts of a function that calls itself, directly or not, are followed into each other."""
 POINTERS = (UnresolvedKind.BRANCH, UnresolvedKind.CALL)
 
 Name = tuple[int, tuple[object, ...]]
@@ -62,10 +64,11 @@ class Analysed:
 @dataclass(slots=True)
 class _Family:
     """The contexts asked for in the analysis of one function from an unknown state; `refused` counts those that a limit
-    forbade."""
+    forbade; `lost` are functions on cycles of calls to whose end no contexts lead."""
 
     asked: dict[int, dict[Name, Analysed | None]] = field(default_factory=dict)
     refused: int = 0
+    lost: set[int] = field(default_factory=set)
 
     def enter(self, context: Analysed) -> None:
         """Note that a context is in use, with all that it asked for itself."""
@@ -93,27 +96,27 @@ class Functions:
         self.quick: dict[int, Analysed] = {}
         self.thorough: dict[int, Analysed] = {}
         self.contexts: dict[Name, Analysed] = {}
+        self.cyclic: set[int] = set()
         self.curtailed = False
 
     def settle(self, entry: int, deadline: float | None) -> callgraph.Order:
-        """Analyse everything that `entry` reaches and that is not known yet; the functions, callees first.
-
-        What reaches a recursion has no bound whatever its loops do: nothing of it is analysed then.
-        """
+        """Analyse everything that `entry` reaches and that is not known yet; the functions, callees first. Of a callee
+        on the same cycle of calls that comes later, nothing but AAPCS is known."""
         self.limits = replace(self.limits, deadline=deadline)
         graphs = self.graphs.program(entry)
         for key, cfg in graphs.items():
             if key not in self.cfgs:
                 self.cfgs[key] = split_irreducible(cfg)
         order = callgraph.order({key: self.cfgs[key] for key in graphs})
-        for key in () if order.cycles else order.functions:
+        self.cyclic |= {key for cycle in order.cycles for key in cycle.members}
+        for key in order.functions:
             if key not in self.summaries:
                 found = self.quick[key] = self._analyse((key, ()), State(self.symbols), 0, _Family(), False)
                 self.summaries[key] = found.summary
         return order
 
     def default(self, key: int) -> Analysed | None:
-        """The function in the context that covers every call, with all effort; None where a recursion is reached."""
+        """The function in the context that covers every call, with all effort."""
         quick = self.quick.get(key)
         if quick is None or not quick.unbounded:
             return quick
@@ -121,10 +124,6 @@ class Functions:
             self.thorough[key] = self._analyse((key, ()), State(self.symbols), 0, _Family(), True, quick.attempt)
             quick.attempt = None
         return self.thorough[key]
-
-    def graph_only(self, key: int) -> Analysed:
-        """The function without anything known of its values."""
-        return self._bare((key, ()), self.cfgs[key], self._nest(key))
 
     def from_state(self, key: int, state: State) -> Analysed:
         """The function entered in a state, with all effort."""
@@ -195,7 +194,7 @@ class Functions:
         order = self.orders[key]
         result = analyse_function(order, narrowed, self.image, calls, stated, ranking, self.limits, thorough, attempt)
         derived = {loop: bound.bound for loop, bound in result.bounds.items() if bound.origin is not Origin.ANNOTATION}
-        called = self._contexts(cfg, result, depth, family)
+        called = self._contexts(cfg, result, depth, family, narrowed)
         flow = FunctionFlow(
             cfg,
             nest,
@@ -245,7 +244,9 @@ class Functions:
             quick = self.quick.get(waiting.pop())
             if quick is None or quick.targets is None:
                 continue
-            if quick.unbounded or any(hole.kind in POINTERS for hole in quick.flow.cfg.unresolved):
+            if quick.unbounded or quick.name[0] in self.cyclic:
+                return True
+            if any(hole.kind in POINTERS for hole in quick.flow.cfg.unresolved):
                 return True
             for callee in (callee for callees in quick.called.values() for callee in callees):
                 if isinstance(callee, Analysed):
@@ -256,16 +257,18 @@ class Functions:
         return False
 
     def _contexts(
-        self, cfg: Cfg, result: FunctionResult, depth: int, family: _Family
+        self, cfg: Cfg, result: FunctionResult, depth: int, family: _Family, entered: State
     ) -> dict[int, tuple[int | Analysed, ...]]:
-        found = {}
+        found, caller = {}, (cfg.key, entered)
         for index, edge in enumerate(cfg.edges):
             if edge.callees:
                 states = ((key, result.record.calls.get((index, key))) for key in edge.callees)
-                found[index] = tuple(self._context(key, state, depth, family) for key, state in states)
+                found[index] = tuple(self._context(key, state, depth, family, caller) for key, state in states)
         return found
 
-    def _context(self, key: int, state: State | None, depth: int, family: _Family) -> int | Analysed:
+    def _context(
+        self, key: int, state: State | None, depth: int, family: _Family, caller: tuple[int, State]
+    ) -> int | Analysed:
         """The context of a callee for an entry state, or its key: the context for all calls, unless that is
         incomplete."""
         if state is None:
@@ -273,7 +276,7 @@ class Functions:
         name = (key, effects.fingerprint(state))
         mine = family.asked.setdefault(key, {})
         known = mine.get(name)
-        if known is None and not self._promising(key, state, depth, family):
+        if known is None and not self._promising(key, state, depth, family, caller):
             return key
         if known is None:
             known = self.contexts.get(name)
@@ -284,14 +287,32 @@ class Functions:
             known.words = effects.describe(state)
             if family.refused == refused:
                 self.contexts[name] = known
+            if key in family.lost:
+                return key
         family.enter(known)
         return known
 
-    def _promising(self, key: int, state: State, depth: int, family: _Family) -> bool:
+    def _advances(self, key: int, state: State, caller: tuple[int, State]) -> bool:
+        """Whether a call on a cycle of calls, with known arguments, comes nearer to its end as far as one can see: some
+        argument is another number than the caller's was."""
+        numbers = [(state.constant_of(state.regs[r]), caller[1].constant_of(caller[1].regs[r])) for r in ARGUMENTS]
+        if caller[0] not in self.cyclic:
+            return any(mine is not None for mine, _ in numbers)
+        return any(mine is not None and other is not None and mine != other for mine, other in numbers)
+
+    def _promising(self, key: int, state: State, depth: int, family: _Family, caller: tuple[int, State]) -> bool:
         """Whether one more context of a function is worth its time."""
+        if key in family.lost:
+            return False
         if not effects.describe(state) and not any(state.memory.values()):
             return False
         mine = family.asked.get(key, {})
+        if key in self.cyclic:
+            if depth < MOST_CALLS and len(mine) < MOST_CALLS and self._advances(key, state, caller):
+                return True
+            family.refused += 1
+            family.lost.add(key)
+            return False
         quick = self.quick[key]
         vain = len(mine) >= MOST_VAIN and all(self._no_better(inside, quick) for inside in mine.values())
         if depth < MOST_DEPTH and len(mine) < MOST_CONTEXTS and not vain:

@@ -11,10 +11,20 @@ from mauve.wcet.binary.graph import Cfg
 from mauve.wcet.binary.lines import LineTable, load_lines
 from mauve.wcet.binary.loops import LoopNest
 from mauve.wcet.flow.assumed import resolve
-from mauve.wcet.flow.facts import AtAddress, AtLine, AtSymbol, ControlFact, ControlKind, Fact, LoopFact, Place
-from mauve.wcet.flow.matching import Matches, match_facts, unmatched
+from mauve.wcet.flow.facts import (
+    AtAddress,
+    AtLine,
+    AtSymbol,
+    ControlFact,
+    ControlKind,
+    Fact,
+    LoopFact,
+    Place,
+    RecursionFact,
+)
+from mauve.wcet.flow.matching import Matches, describe, match_facts, unmatched
 from mauve.wcet.flow.result import LoopBound
-from mauve.wcet.result import Origin, Problem
+from mauve.wcet.result import Origin, Problem, ProblemKind
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,6 +45,7 @@ class Given:
         self.lines = (lines or load_lines(binary)) if by_line else LineTable()
         self.loops = any(isinstance(fact, LoopFact) for fact in self.facts)
         self.assumed = resolve(binary, self.facts)
+        self.depths, self._nowhere = self._recursions()
 
     def control(self) -> Control:
         """The control facts by address. A function that returns after all is what graphs assume anyway."""
@@ -73,8 +84,23 @@ class Given:
         return tuple(self._match(cfg, nest, derived).notes) if self.loops and nest.loops else ()
 
     def unused(self, matched: set[int]) -> tuple[Problem, ...]:
-        """Loop facts other than those that matched a loop."""
-        return unmatched(self.facts, matched)
+        """Loop facts other than those that matched a loop, and what facts say of what is not in the binary."""
+        return (*unmatched(self.facts, matched), *self.assumed.problems, *self._nowhere)
+
+    def _recursions(self) -> tuple[dict[int, int], tuple[Problem, ...]]:
+        """The activations under way at most, by function; facts about functions that do not exist."""
+        depths: dict[int, int] = {}
+        nowhere: list[Problem] = []
+        for fact in self.facts:
+            if not isinstance(fact, RecursionFact):
+                continue
+            keys = [self._key(address) for address in self._addresses(fact.place)]
+            if not keys:
+                message = f"there is no function at {describe(fact.place)}"
+                nowhere.append(Problem(ProblemKind.FACT_NOWHERE, message, written=fact.written))
+            for key in keys:
+                depths[key] = min(fact.maximum, depths.get(key, fact.maximum))
+        return depths, tuple(nowhere)
 
     def _match(self, cfg: Cfg, nest: LoopNest, derived: dict[int, int] | None) -> Matches:
         return match_facts(self.facts, cfg, nest, self.lines.location, self._symbol, derived)

@@ -22,10 +22,10 @@ from mauve.wcet.flow.facts import Fact
 from mauve.wcet.flow.function import Limits
 from mauve.wcet.flow.functions import POINTERS, Analysed, Functions
 from mauve.wcet.flow.given import Given
+from mauve.wcet.flow.recursion import unroll
 from mauve.wcet.flow.result import ContextKey, FunctionFlow, ProgramFlow
 from mauve.wcet.flow.state import ABSOLUTE, Cells, State
 from mauve.wcet.hardware.board import Board
-from mauve.wcet.result import Problem, ProblemKind
 
 ASSUMPTIONS = (
     "functions keep the procedure call standard (AAPCS): r4-r11 and sp are preserved by calls",
@@ -144,7 +144,7 @@ class _Program:
         self.binary, self.functions, self.entry = binary, functions, entry
         self.order: Order = functions.settle(entry, deadline)
         self.top: Analysed | None = None
-        if initial_data and not self.order.cycles:
+        if initial_data:
             self.top = functions.from_state(entry, self._initial_state(functions.given.assumed))
         self.used = self._used()
 
@@ -161,8 +161,6 @@ class _Program:
     # ------------------------------------------------------------------------------------------------ results
     def _used(self) -> tuple[Analysed, ...]:
         """The contexts that the entry reaches, callees first."""
-        if self.order.cycles:
-            return tuple(self.functions.graph_only(key) for key in self.order.functions)
         order: list[Analysed] = []
         seen: set[Analysed] = set()
         stack = [(self.top or self.functions.default(self.entry), False)]
@@ -179,8 +177,8 @@ class _Program:
         return tuple(order)
 
     def _callees(self, function: Analysed) -> Iterator[Analysed | None]:
-        for callees in function.called.values():
-            for callee in callees:
+        for index, callees in function.called.items():
+            for callee in () if index in function.flow.infeasible else callees:
                 yield callee if isinstance(callee, Analysed) else self.functions.default(callee)
 
     def targets(self, before: Targets, stated: frozenset[int]) -> Targets:
@@ -216,24 +214,20 @@ class _Program:
 
     def flow(self, given: Given) -> ProgramFlow:
         """The result."""
-        cfgs, stated = self.functions.cfgs, [self.functions.stated.get(key) for key in self.order.functions]
-        problems = []
-        for cycle in self.order.cycles:
-            names = " -> ".join(cfgs[key].name for key in cycle.path)
-            first = cfgs[cycle.path[0]]
-            problems.append(Problem(ProblemKind.RECURSION, f"recursion: {names}", first.address, first.name))
-        problems += dict.fromkeys(problem for facts in stated if facts is not None for problem in facts.problems)
+        stated = [self.functions.stated.get(key) for key in self.order.functions]
+        problems = dict.fromkeys(problem for facts in stated if facts is not None for problem in facts.problems)
         matched = {fact for facts in stated if facts is not None for fact in facts.matched}
         notes = dict.fromkeys(note for function in self.used for note in function.notes)
         contexts = self._names()
         flows = {contexts[function]: self._flow(function, contexts) for function in self.used}
-        unused = () if self.order.cycles else given.unused(matched)
+        unrolled = unroll(contexts[self.used[-1]], flows, given.depths)
         return ProgramFlow(
-            (self.entry, ""),
-            flows,
-            tuple(problems),
-            (*notes, *unused, *given.assumed.problems),
+            unrolled.entry,
+            unrolled.flows,
+            (*unrolled.problems, *problems),
+            (*notes, *given.unused(matched)),
             (*ASSUMPTIONS, *given.assumed.sentences),
+            unrolled.words,
         )
 
     def _names(self) -> dict[Analysed, ContextKey]:
@@ -257,8 +251,10 @@ class _Program:
         """The function's flow with the names of the contexts that it calls; the same object for the same names."""
         calls = {}
         for index, callees in function.called.items():
+            # What only infeasible edges call has no name.
             contexts = (c if isinstance(c, Analysed) else (self.functions.default(c) or c) for c in callees)
-            calls[index] = tuple(names[c] if isinstance(c, Analysed) else (c, "") for c in contexts)
+            if index not in function.flow.infeasible:
+                calls[index] = tuple(names[c] if isinstance(c, Analysed) else (c, "") for c in contexts)
         if function.flow.calls != calls:
             function.flow = replace(function.flow, calls=calls)
         return function.flow

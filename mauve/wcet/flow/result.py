@@ -4,7 +4,7 @@ and context."""
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from mauve.wcet.binary.graph import Cfg
 from mauve.wcet.binary.loops import LoopNest
@@ -56,11 +56,12 @@ class FunctionFlow:
 
 @dataclass(frozen=True, slots=True)
 class ProgramFlow:
-    """Everything reachable from `entry`. `functions` lists callees before callers; a cycle of calls is a problem,
-    never here."""
+    """Everything reachable from `entry`. `functions` lists callees before callers, but for those on a cycle of calls,
+    which is a problem. `words` are the names of contexts that are shown where they are not those of their keys."""
 
     entry: ContextKey
     functions: Mapping[ContextKey, FunctionFlow]
     problems: tuple[Problem, ...] = ()
     notes: tuple[Problem, ...] = ()
     assumptions: tuple[str, ...] = ()
+    words: Mapping[ContextKey, str] = field(default_factory=dict)
