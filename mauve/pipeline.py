@@ -23,7 +23,7 @@ from mauve.lower.tasks import task_sets
 from mauve.model.boards import resolve_board
 from mauve.model.model import Deployment, Model
 from mauve.model.resolve import resolve
-from mauve.records import record
+from mauve.records import changed, record
 from mauve.syntax.ast import BoardDecl, DeploymentDecl, Module, String
 from mauve.syntax.load import load_modules, standard_module
 from mauve.timing.response import Method
@@ -33,6 +33,7 @@ from mauve.verdict.flows import check_flows, report_flows
 from mauve.verdict.result import CheckResult, DeploymentResult, NodeResult
 
 if TYPE_CHECKING:
+    from mauve.timing.priorities import Policy
     from mauve.timing.response import Analysis
     from mauve.timing.simulation.horizon import Asked
     from mauve.timing.simulation.outcome import Simulated
@@ -48,7 +49,8 @@ if TYPE_CHECKING:
 
 @record
 class Options:
-    """What a check was asked to do. `deployment` None means all that are not abstract; `cache` whether results of
+    """What a check was asked to do. `sensitivity` asks how much may change, `priorities` for those of a policy.
+    `deployment` None means all that are not abstract; `cache` whether results of
     earlier runs may be used and kept; `workers` how many processes may analyse binaries; `progress` is told how far
     they are."""
 
@@ -57,6 +59,8 @@ class Options:
     cache: bool = True
     workers: int = 1
     progress: Progress | None = None
+    sensitivity: bool = False
+    priorities: Policy | None = None
 
 
 def read_model(path: str, report: Report) -> tuple[tuple[Module, ...], Model | None]:
@@ -136,6 +140,11 @@ def check_deployment(
         from mauve.verdict.mode_messages import report_modes
 
         report_modes(modes, deployment, report)
+    if result.proposals:
+        from mauve.verdict.sensitivity import report_proposal
+
+        for node, proposal in zip(result.nodes, result.proposals, strict=True):
+            report_proposal(deployment, node.tasks, proposal, report)
     report_expectation(deployment, result.holds, result.complete, report)
     return result
 
@@ -162,7 +171,8 @@ def analyse_deployment(
     if modes:
         met = all(mode.holds for mode in modes)
     holds = complete and met and all(flow.holds for flow in flows)
-    return DeploymentResult(deployment, codels, built, nodes, complete, holds, flows, modes)
+    result = DeploymentResult(deployment, codels, built, nodes, complete, holds, flows, modes)
+    return _varied(result, placed, derivation, options) if complete else result
 
 
 def _modes(
@@ -185,6 +195,24 @@ def _modes(
     found = [check_modes(result, deployment, placed, respond, report) for result in missions]
     known = tuple(each for each in found if each is not None)
     return known if len(known) == len(missions) else ()
+
+
+def _varied(
+    result: DeploymentResult, placed: Sequence[NodeTasks], derivation: Derivation, options: Options
+) -> DeploymentResult:
+    """The result with what else was asked for; imported only then."""
+    if not options.sensitivity and options.priorities is None:
+        return result
+    from mauve.verdict.sensitivity import node_sensitivity, propose
+
+    platforms = [timing_platform(node.node, derivation.handlers) for node in placed]
+    deployment, policy, places = result.deployment, options.priorities, range(len(placed))
+    if options.sensitivity:
+        found = tuple(node_sensitivity(deployment, placed, platforms, at) for at in places)
+        result = changed(result, sensitivity=found)
+    if policy is not None:
+        result = changed(result, proposals=tuple(propose(deployment, placed, platforms, at, policy) for at in places))
+    return result
 
 
 def _derive(deployment: Deployment, plans: tuple[CodelPlan, ...], options: Options, report: Report) -> Derivation:

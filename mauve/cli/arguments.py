@@ -89,6 +89,9 @@ def _add_check(commands: _Commands) -> None:
     format_ = "full: for people (default); short: messages one a line; json, sarif, github: for programs"
     add("--format", choices=FORMATS, default="full", help=format_)
     add("--emit", choices=STAGES, help="print what this stage made instead of the tables")
+    add("--sensitivity", action="store_true", help="show how much codels, periods, priorities and clock may change")
+    propose = "propose priorities: optimal (Audsley), rm (by period), dm (by deadline), or show the given ones"
+    add("--priorities", choices=("optimal", "rm", "dm", "given"), help=propose)
     add("--details", action="store_true", help="show responses term by term, per state and transition; shares of flows")
     _add_common(parser)
 

@@ -6,6 +6,7 @@ import os
 import sys
 from argparse import Namespace
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 from mauve import __version__
 from mauve.cli.output import style, table_width, write_json, write_messages, wrong_usage
@@ -16,6 +17,9 @@ from mauve.report.progress import progress
 from mauve.timing.response import Method
 from mauve.verdict.result import CheckResult
 
+if TYPE_CHECKING:
+    from mauve.timing.priorities import Policy
+
 
 def run(arguments: Namespace) -> int:
     """Check the model and write the result; 0 where every deployment has the verdict that it asks for."""
@@ -25,7 +29,10 @@ def run(arguments: Namespace) -> int:
     else:
         method, workers = Method(arguments.method), os.cpu_count() or 1
         with progress(sys.stderr, "codels") as told:
-            options = Options(arguments.deployment, method, not arguments.no_cache, workers, told)
+            policy = _policy(arguments.priorities)
+            options = Options(
+                arguments.deployment, method, not arguments.no_cache, workers, told, arguments.sensitivity, policy
+            )
             result = check(arguments.file, options, report)
     unknown = unknown_deployment(arguments.deployment, result)
     if unknown and not report.has_errors:
@@ -39,6 +46,14 @@ def run(arguments: Namespace) -> int:
     else:
         _write_result(arguments, result, messages)
     return 0 if result.passes(report) else 1
+
+
+def _policy(name: str | None) -> Policy | None:
+    if name is None:
+        return None
+    from mauve.timing import priorities
+
+    return priorities.Policy(name)
 
 
 def unknown_deployment(wanted: str | None, result: CheckResult) -> str:

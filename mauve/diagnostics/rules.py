@@ -115,6 +115,7 @@ RULES: dict[str, Rule] = {
         Rule("MV604", "expectation-failed", ERROR),
         Rule("MV605", "response-unbounded", ERROR),
         Rule("MV606", "flow-late", ERROR),
+        Rule("MV607", "priorities-proposed", NOTE),
         Rule("MV620", "unreadable-task-set", ERROR),
         Rule("MV621", "task-set-syntax", ERROR),
         Rule("MV622", "task-set-field", ERROR),

@@ -14,7 +14,7 @@ point.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from fractions import Fraction
 from math import ceil
 
@@ -24,8 +24,9 @@ from mauve.model.model import Deployment, Instance
 from mauve.model.periods import instance_period
 from mauve.model.wakeups import waking
 from mauve.records import changed, record
+from mauve.timing.blocking import with_blocking
 from mauve.timing.response import Analysis, Method, Reason, analyse
-from mauve.timing.task import Platform, on_platform
+from mauve.timing.task import Interrupt, Kind, Platform, Task, on_platform
 
 ROUNDS = 1000
 """Iterations after which a jitter that still grows is called unbounded."""
@@ -163,13 +164,44 @@ def _analyse(node: NodeTasks, platform: Platform, method: Method, known: Mapping
     waiting = {placed.task.name: placed for placed in node.tasks if placed.waits}
     if waiting:
         jitters = _jitters((node,))
+        blocking = {task.name: task.blocking for task in with_blocking(tasks)}
         tasks = tuple(
-            suspended(placed, task, wait_times(placed, jitters, known), known.get(task.name) or 0)
+            suspended(task, wait_times(placed, jitters, known), blocking[task.name], known.get(task.name) or 0)
             if (placed := waiting.get(task.name)) is not None
             else task
             for task in tasks
         )
     return analyse(tasks, method)
+
+
+def is_settled(deployment: Deployment, nodes: Sequence[NodeTasks]) -> bool:
+    """Whether no task is woken by, or waits for, another: responses are those of the tasks as they are."""
+    return not _waiting(nodes) and not _wakers(deployment, nodes)
+
+
+def settled_again(
+    deployment: Deployment, nodes: Sequence[NodeTasks], platforms: Sequence[Platform], place: int
+) -> Callable[[Sequence[Task]], Sequence[Task] | None]:
+    """What gives other tasks of node `place` (costs, sections or priorities of the same tasks changed, interrupts
+    included) the jitters and waits that follow from their responses. None where a response has no bound, or a task of
+    another node becomes late by it."""
+
+    def again(tasks: Sequence[Task]) -> Sequence[Task] | None:
+        mine = {task.name: task for task in tasks if task.kind is Kind.TASK}
+        handlers = [task for task in tasks if task.kind is not Kind.TASK]
+        placed = tuple(changed(one, task=mine[one.task.name]) for one in nodes[place].tasks)
+        others = [changed(node, tasks=placed) if at == place else node for at, node in enumerate(nodes)]
+        interrupts = tuple(Interrupt(one.name, one.period, one.demand(1), one.kind) for one in handlers)
+        platform = changed(platforms[place], context_switch=0, interrupts=interrupts)
+        seats = [platform if at == place else each for at, each in enumerate(platforms)]
+        results = settle(deployment, others, seats, Method.TRACE).results
+        far = [result for at, result in enumerate(results) if at != place]
+        here = results[place]
+        if here is None or any(r.wcrt is None for r in here.results) or any(r and not r.schedulable for r in far):
+            return None
+        return here.tasks
+
+    return again
 
 
 def _wakers(deployment: Deployment, nodes: Sequence[NodeTasks]) -> Wakers:

@@ -44,6 +44,9 @@ from mauve.timing.psm import CostPart, Psm, PsmTransition, make_psm
 START = "(start)"
 INACTIVE = "(inactive)"
 
+WAIT_SWITCHES = "context switches of a wait"
+"""What a call of an operation that runs in its owner costs the caller itself."""
+
 Times = Mapping[CodelId, int]
 """Picoseconds per codel."""
 
@@ -93,7 +96,7 @@ class _Costs:
             elif service is not None and service.waits:
                 yield CostPart(wait_label(str(service)), 0)
                 if self.switch:
-                    yield CostPart("context switches of a wait", 2 * self.switch)
+                    yield CostPart(WAIT_SWITCHES, 2 * self.switch)
             elif service is not None:
                 yield self._codel(service.codel)
 

@@ -128,9 +128,8 @@ def wait_times(placed: PlacedTask, jitters: Mapping[str, int], responses: Mappin
     return found
 
 
-def suspended(placed: PlacedTask, task: Task, waits: Mapping[str, int], response: int) -> Task:
+def suspended(task: Task, waits: Mapping[str, int], blocking: int, response: int) -> Task:
     """A task that waits, as it runs on its platform: with each wait comes a blocking when it resumes."""
-    blocking = placed.blocker.length if placed.blocker is not None else 0
 
     def waiting(one: PsmTransition) -> PsmTransition:
         parts = tuple(p for part in one.parts for p in _resumed(part, waits, blocking))

@@ -71,7 +71,22 @@ def _deployment(result: DeploymentResult) -> dict[str, object]:
         "flows": [flow_plain(flow) for flow in result.flows],
         "nodes": [_node(node, result.complete, worst) for node in result.nodes],
         **modes,
+        **_varied(result),
     }
+
+
+def _varied(result: DeploymentResult) -> dict[str, object]:
+    """What is there where it was asked for only."""
+    if not result.sensitivity and not result.proposals:
+        return {}
+    from mauve.report.sensitivity import proposals_plain, sensitivity_plain
+
+    found: dict[str, object] = {}
+    if result.sensitivity:
+        found["sensitivity"] = sensitivity_plain(result.sensitivity)
+    if result.proposals:
+        found["priorities"] = proposals_plain(result.proposals)
+    return found
 
 
 # ---------------------------------------------------------------------------------------------------------- codels

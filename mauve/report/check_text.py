@@ -79,6 +79,10 @@ def _deployment(result: DeploymentResult, style: Style, limit: int | None, detai
         from mauve.report.details import format_details
 
         lines += format_details(node, style)
+    if result.sensitivity or result.proposals:
+        from mauve.report.sensitivity import format_sensitivity
+
+        lines += format_sensitivity(result, style, limit)
     lines += format_flows(result.flows, style, limit, details)
     left_out = _left_out(result)
     if left_out:

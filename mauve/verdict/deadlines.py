@@ -6,6 +6,7 @@ from fractions import Fraction
 from typing import TYPE_CHECKING
 
 from mauve.diagnostics.diagnostic import Diagnostic, Fix, Label, Report, Severity
+from mauve.lower.activation import is_settled
 from mauve.lower.placed import NodeTasks, PlacedTask
 from mauve.model.model import Deployment
 from mauve.timing.response import UNSOUND, Analysis, Reason, ResponseResult
@@ -15,6 +16,10 @@ from mauve.units import format_time
 if TYPE_CHECKING:
     from mauve.timing.bill import Bill, BillLine
     from mauve.timing.shrink import Shrink
+
+
+MOST_ORDERED = 50
+"""Tasks of a node up to which a missed deadline makes one look for better priorities."""
 
 
 def report_node(deployment: Deployment, node: NodeTasks, analysis: Analysis, report: Report) -> None:
@@ -27,16 +32,26 @@ def report_node(deployment: Deployment, node: NodeTasks, analysis: Analysis, rep
     overloaded = [r for r in analysis.results if r.reason is Reason.OVERLOAD]
     if overloaded:
         report.add(_overload(deployment, node, analysis, overloaded[0], severity))
+    order = _better_order(deployment, node, analysis) if not overloaded else ()
     for placed in node.tasks:
         result = analysis.result(placed.task.name)
         if result.reason in (Reason.FULL_LOAD, Reason.LIMIT, Reason.ARRIVALS, Reason.WAITS):
             report.add(_unbounded(deployment, placed, result, severity))
         elif not result.schedulable:
-            report.add(_missed(deployment, placed, analysis, result, severity))
+            report.add(_missed(deployment, placed, analysis, result, severity, order))
         for caveat in (c for c in result.caveats if c in UNSOUND):
             message = f"the response of `{placed.task.name}` by the paper's method may be too small: {caveat.value}"
             help_ = Fix("use `--method trace`, which covers this")
             report.add(Diagnostic("MV603", message, Label(placed.span), Severity.WARNING, help=help_))
+
+
+def _better_order(deployment: Deployment, node: NodeTasks, analysis: Analysis) -> tuple[str, ...]:
+    """The tasks in an order of priorities in which all deadlines hold; empty where none is found, or not looked for."""
+    if analysis.schedulable or len(node.tasks) > MOST_ORDERED or not is_settled(deployment, (node,)):
+        return ()
+    from mauve.verdict.sensitivity import optimal_order
+
+    return optimal_order(node, analysis)
 
 
 def report_expectation(deployment: Deployment, holds: bool, complete: bool, report: Report) -> None:
@@ -71,7 +86,12 @@ def _unbounded(deployment: Deployment, placed: PlacedTask, result: ResponseResul
 
 
 def _missed(
-    deployment: Deployment, placed: PlacedTask, analysis: Analysis, result: ResponseResult, severity: Severity
+    deployment: Deployment,
+    placed: PlacedTask,
+    analysis: Analysis,
+    result: ResponseResult,
+    severity: Severity,
+    order: tuple[str, ...],
 ) -> Diagnostic:
     from mauve.timing.bill import deadline_bill
     from mauve.timing.shrink import shrink_to_fit
@@ -87,6 +107,9 @@ def _missed(
     notes: tuple[str, ...] = (bill_text(bill, placed),) if bill is not None else ()
     if placed.deadline.default:
         notes += (f"no deadline is written, so it is {placed.deadline.default}",)
+    if order:
+        names = ", ".join(order)
+        notes += (f"with other priorities all deadlines hold: {names}, most urgent first (see `--priorities optimal`)",)
     shrinks = shrink_to_fit(analysis, placed.task.name)
     data: tuple[tuple[str, object], ...] = (
         ("task", placed.task.name),

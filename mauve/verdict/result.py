@@ -22,6 +22,7 @@ from mauve.verdict.flows import FlowResult
 if TYPE_CHECKING:
     from mauve.verdict.missions import MissionResult
     from mauve.verdict.modes import ModesResult
+    from mauve.verdict.sensitivity import NodeSensitivity, Proposal
 
 
 @record
@@ -46,7 +47,8 @@ class DeploymentResult:
     """One deployment. `complete` says that every codel has a time and every task a place; `holds` that it is complete
     and every deadline and flow is proven. Where it is not complete, the responses leave the missing work out: they are
     not bounds yet, and can only grow. `modes` has the missions whose activities it runs: then the deadlines of each
-    mode and of each switch decide, not those of all tasks together."""
+    mode and of each switch decide, not those of all tasks together.
+    `sensitivity` and `proposals` are there, one per node, where somebody asked."""
 
     deployment: Deployment
     codels: tuple[CodelTime, ...]
@@ -56,6 +58,8 @@ class DeploymentResult:
     holds: bool
     flows: tuple[FlowResult, ...] = ()
     modes: tuple[ModesResult, ...] = ()
+    sensitivity: tuple[NodeSensitivity, ...] = ()
+    proposals: tuple[Proposal, ...] = ()
 
     @property
     def schedulable(self) -> bool:

@@ -252,8 +252,19 @@ def test_a_standard_board_is_found_whether_or_not_its_module_is_imported(mauvec:
     assert mauvec("check", model(imported)) == first
 
 
-def test_details_show_bills_and_responses_per_state_and_transition(mauvec: Command, model: Callable[[str], str]) -> None:
+def test_details_show_bills_and_responses_per_state(mauvec: Command, model: Callable[[str], str]) -> None:
     run = mauvec("check", model(MODEL), "--details")
     assert run.code == 0
     assert "responds within" in run.out and "of its own" in run.out
     assert "transition" in run.out and "stays" in run.out
+
+
+def test_sensitivity_and_priorities_in_json(mauvec: Command, model: Callable[[str], str]) -> None:
+    run = mauvec("check", model(MODEL), "--sensitivity", "--priorities", "optimal", "--format", "json")
+    document = json.loads(run.out)
+    validator().validate(document)
+    (deployment,) = document["deployments"]
+    (node,) = deployment["sensitivity"]
+    assert all(one["at_most_ps"] >= one["now_ps"] and one["slack_ps"] >= 0 for one in node["codels"])
+    assert node["frequency_hz_at_least"] < deployment["nodes"][0]["frequency_hz"]
+    assert deployment["priorities"][0]["holds"]
