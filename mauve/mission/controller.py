@@ -15,9 +15,21 @@ from collections.abc import Iterable
 
 from mauve.mission.graph import AlternativesGraph
 from mauve.mission.net import Event, Level, Net, marking
+from mauve.mission.stable import cascade, masks
 from mauve.records import record
 
-__all__ = ["Cascades", "Controller", "Names", "Observer", "Rules", "identifiers", "net_controller", "rule_controller"]
+__all__ = [
+    "Cascades",
+    "Controller",
+    "Names",
+    "Observer",
+    "Rules",
+    "identifiers",
+    "longest_cascade",
+    "longest_of_parts",
+    "net_controller",
+    "rule_controller",
+]
 
 WORD = 64
 
@@ -104,7 +116,8 @@ def rule_controller(graph: AlternativesGraph) -> Controller:
 def net_controller(net: Net, longest: int | None = None) -> Controller:
     """The controller that runs the cascades of a net itself.
 
-    `longest`: how many transitions a cascade may fire; else one more than there are above the events.
+    `longest`: how many transitions a cascade may fire, that of the event included: `longest_of_parts` where local
+    graphs are known; else sixteen times as many as there are above the events, far more than any mission that we saw.
     """
     inner = [index for index, one in enumerate(net.transitions) if one.level is not Level.EVENT]
     inner.sort(key=lambda index: -net.transitions[index].level)
@@ -125,9 +138,37 @@ def net_controller(net: Net, longest: int | None = None) -> Controller:
         (*begins, len(inner)),
         tuple(tuple(number[index] for index in indices) for indices in starting.values()),
         tuple(map(tuple, waiting)),
-        len(inner) + 1 if longest is None else longest,
+        16 * len(inner) + 16 if longest is None else longest,
     )
     return _controller(net, tuple(range(len(net.places))), marking(net.initial), reaction)
+
+
+def longest_cascade(graph: AlternativesGraph) -> int:
+    """How many transitions the longest cascade of the graph fires, that of the event included."""
+    net, table = graph.net, masks(graph.net)
+    longest, seen = 1, set[int]()
+    for state, where in enumerate(graph.markings):
+        for edge in range(graph.first[state], graph.first[state + 1]):
+            if graph.rules_used[edge] not in seen:
+                seen.add(graph.rules_used[edge])
+                event = net.events[graph.events[edge]].name
+                start = next(
+                    at
+                    for at, one in enumerate(net.transitions)
+                    if one.level is Level.EVENT and one.event == event and not table.before[at] & ~where
+                )
+                longest = max(longest, len(cascade(table, where, start).fired))
+    return longest
+
+
+def longest_of_parts(net: Net, parts: Iterable[AlternativesGraph]) -> int:
+    """A bound on the cascades of a whole net from the graphs of its objectives (`local_graphs`).
+
+    One event ends each objective at most once and starts each at most once, as every objective waits for an event of
+    its own; the rest are transitions of the mission's structure and the news of a recovery, which fire once.
+    """
+    structure = sum(one.level is Level.MISSION for one in net.transitions)
+    return 2 * sum(longest_cascade(one) for one in parts) + structure + 1
 
 
 def _arrow(net: Net, index: int) -> tuple[int, int, int]:

@@ -64,9 +64,13 @@ def _of_graph(form: str, result: MissionResult) -> str:
 
 def _controller(form: str, result: MissionResult, stem: str | None) -> str:
     """The controller: rules where the graph is known, else the net itself, which it then runs."""
-    from mauve.mission.controller import net_controller, rule_controller
+    from mauve.mission.controller import longest_of_parts, net_controller, rule_controller
 
-    controller = rule_controller(result.graph) if result.graph is not None else net_controller(result.net)
+    if result.graph is not None:
+        controller = rule_controller(result.graph)
+    else:
+        parts = [one.graph for one in result.local]
+        controller = net_controller(result.net, longest_of_parts(result.net, parts) if parts else None)
     if form == "python":
         from mauve.mission.controller_python import python_twin
 

@@ -15,16 +15,26 @@ from typing import Any
 
 import pytest
 
-from mauve.mission.controller import Controller, Rules, net_controller, rule_controller
+from mauve.mission.controller import (
+    Cascades,
+    Controller,
+    Rules,
+    longest_cascade,
+    longest_of_parts,
+    net_controller,
+    rule_controller,
+)
 from mauve.mission.controller_c import c_files
 from mauve.mission.controller_python import python_twin
-from mauve.mission.graph import AlternativesGraph, StateView, view
+from mauve.mission.graph import AlternativesGraph, BudgetExceeded, StateView, view
+from mauve.mission.local import local_graphs
 from mauve.mission.net import Level, Net, marking
 from mauve.mission.plan import Mission
 from mauve.mission.stable import alternatives_graph, cascade, masks
 from mauve.mission.templates import build_net
 
 from .coral import coral
+from .random_missions import random_mission
 
 RESET = 255
 STRICT = ("-std=c11", "-Wall", "-Wextra", "-Werror", "-pedantic", "-O1")
@@ -115,7 +125,7 @@ def random_events(net: Net, count: int, seed: int) -> list[int]:
         if random.random() < 0.7:
             if reference.state not in possible:
                 possible[reference.state] = [at for at in range(len(net.events)) if reference.enabled(at)]
-            event = random.choice(possible[reference.state])
+            event = random.choice(possible[reference.state] or [event])
         if reference.view().outcome and random.random() < 0.5:
             event = RESET
             reference.reset()
@@ -244,3 +254,22 @@ def test_the_time_of_a_step_is_bounded_without_flow_facts(form: int, cycles: int
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     bound = json.loads(done.stdout)["functions"][0]["wcet_cycles"]
     assert bound is not None and 100 < bound < cycles
+
+
+def test_twins_of_random_missions_decide_as_their_nets() -> None:
+    for seed in range(8):
+        net, rules = both(random_mission(seed))[0]
+        events = random_events(net, 60, seed)
+        assert follow(net, rules, events) == follow(net, net_controller(net), events), seed
+
+
+@pytest.mark.parametrize("seed", [3, 43, 116])
+def test_no_cascade_is_longer_than_its_parts_allow(seed: int) -> None:
+    mission = random_mission(seed)
+    net = build_net(mission)
+    parts = local_graphs(mission)
+    assert not isinstance(parts, BudgetExceeded)
+    bound = longest_of_parts(net, [one.graph for one in parts])
+    assert longest_cascade(graph_of(net)) <= bound
+    assert isinstance(reaction := net_controller(net).reaction, Cascades)
+    assert longest_cascade(graph_of(net)) <= reaction.longest
