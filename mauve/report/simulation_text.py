@@ -95,7 +95,7 @@ def _row(one: Measures, bound: int | None, outcome: Outcome, unit: str) -> list[
 
 def _timeline(run: Simulated, outcome: Outcome, limit: int | None) -> Iterator[str]:
     """A row per task; each character stands for a part of the window, the most telling of what happens in it."""
-    start, end = outcome.window
+    start, end = _telling(outcome)
     names = [one.task for one in sorted(outcome.tasks, key=lambda one: -one.priority)]
     if end <= start or not names:
         return
@@ -122,6 +122,13 @@ def _timeline(run: Simulated, outcome: Outcome, limit: int | None) -> Iterator[s
     for name in names:
         yield "  " + name + " " * (indent - 2 - width_of(name)) + "".join(rows[name])
     yield " " * indent + LEGEND
+
+
+def _telling(outcome: Outcome) -> tuple[int, int]:
+    """The window; of a whole long simulation two of the longest periods, where more would be a blur."""
+    start, end = outcome.window
+    longest = max((one.period for one in outcome.tasks), default=0)
+    return (0, 2 * longest) if (start, end) == (0, outcome.end) and end > 4 * longest else (start, end)
 
 
 SIGNS = ".-#=~!"

@@ -10,20 +10,21 @@ from fractions import Fraction
 from mauve.records import record
 from mauve.timing.simulation.outcome import Job, Outcome, Segment, Simulated
 from mauve.timing.simulation.system import Jitter, Settings
-from mauve.units import format_time
+from mauve.units import TIME_UNITS, format_time
 
 NOT_A_BOUND = "one run out of many: what is seen here is no bound"
 
 
 def show_time(time: int, unit: str) -> str:
-    """A time with its unit: picoseconds in the unit a person would choose, others as they are."""
-    return format_time(time) if unit == "ps" else f"{time}{unit}"
+    """A time with its unit: one of time in the unit a person would choose, another as it is."""
+    return format_time(time * TIME_UNITS[unit]) if unit in TIME_UNITS else f"{time}{unit}"
 
 
 def show_mean(time: Fraction, unit: str) -> str:
-    """A mean with its unit, rounded up: a part of a picosecond is of no use, one of a unit is."""
-    if unit == "ps":
-        return format_time(-(-time.numerator // time.denominator))
+    """A mean with its unit, rounded up."""
+    if unit in TIME_UNITS:
+        exact = time * TIME_UNITS[unit]
+        return format_time(-(-exact.numerator // exact.denominator))
     hundredths = -(-100 * time.numerator // time.denominator)
     return f"{hundredths // 100}.{hundredths % 100:02}".rstrip("0").rstrip(".") + unit
 

@@ -257,7 +257,7 @@ def test_the_horizon_is_the_hyperperiod_within_reach() -> None:
 # ------------------------------------------------------------------ laws
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=40, deadline=None)
 @given(
     systems(),
     st.integers(0, 99),

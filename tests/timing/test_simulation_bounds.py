@@ -43,7 +43,7 @@ from mauve.timing.task import (
     total_load,
 )
 
-SYSTEMS = int(os.environ.get("MAUVE_SIMULATED_SYSTEMS", "150"))
+SYSTEMS = int(os.environ.get("MAUVE_SIMULATED_SYSTEMS", "90"))
 
 
 def random_psm(name: str, rng: random.Random, most: int) -> Psm:
