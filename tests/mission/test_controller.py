@@ -243,7 +243,8 @@ def test_odd_names_stay_apart() -> None:
 @pytest.mark.skipif(shutil.which("arm-none-eabi-gcc") is None, reason="NO CROSS COMPILER: arm-none-eabi-gcc")
 @pytest.mark.parametrize(("form", "cycles"), [(0, 2_000), (1, 20_000_000)], ids=["rules", "cascades"])
 def test_the_time_of_a_step_is_bounded_without_flow_facts(form: int, cycles: int, tmp_path: Path) -> None:
-    files = c_files(both(coral())[form][1])
+    graph = graph_of(build_net(coral()))
+    files = c_files(net_controller(graph.net, longest_cascade(graph)) if form else rule_controller(graph))
     (tmp_path / f"{files.stem}.h").write_text(files.header, encoding="utf-8")
     (tmp_path / f"{files.stem}.c").write_text(files.source, encoding="utf-8")
     flags = ["-mcpu=arm926ej-s", *STRICT[:-1], "-O2", "-ffreestanding", "-nostartfiles", "-Wl,-e,coral_step"]
