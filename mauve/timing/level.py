@@ -30,10 +30,11 @@ class Interference:
     long-run loads, `floor` the loads that no window falls below, `offset` the floors x jitters.
     """
 
-    __slots__ = ("curved", "floor", "load", "offset", "plain", "shifted", "tasks")
+    __slots__ = ("curved", "floor", "load", "offset", "places", "plain", "shifted", "tasks")
 
     def __init__(self) -> None:
         self.plain: list[tuple[int, int]] = []
+        self.places: dict[int, int] = {}
         self.shifted: list[tuple[int, int, int]] = []
         self.curved: list[tuple[Callable[[int], int], int, int]] = []
         self.tasks: list[Task] = []
@@ -43,7 +44,7 @@ class Interference:
         """An independent copy, to which tasks can be added."""
         other = Interference()
         other.plain, other.shifted, other.curved = self.plain[:], self.shifted[:], self.curved[:]
-        other.tasks = self.tasks[:]
+        other.tasks, other.places = self.tasks[:], self.places.copy()
         other.load, other.floor, other.offset = self.load, self.floor, self.offset
         return other
 
@@ -65,9 +66,17 @@ class Interference:
     def _add_constant(self, cost: int, period: int, jitter: int) -> None:
         if jitter:
             self.shifted.append((cost, period, jitter))
+            self._weigh(cost / period, cost / period, jitter)
+            return
+        # Constants of one period are released together: their sum stands for them.
+        place = self.places.setdefault(period, len(self.plain))
+        if place < len(self.plain):
+            self.plain[place] = (self.plain[place][0] + cost, period)
         else:
             self.plain.append((cost, period))
-        self._weigh(cost / period, cost / period, jitter)
+        load = cost / period
+        self.load += load
+        self.floor += load
 
     def _weigh(self, load: float, floor: float, jitter: int) -> None:
         self.load += load

@@ -5,8 +5,9 @@ left takes the level. It finds an assignment whenever one exists, as long as the
 tasks are above and which below it, not on their order, and never falls when the task moves down. That is so here for
 arbitrary deadlines, given jitter, ceilings (the longest section of a lower task on a resource that this or a higher
 one uses) and tasks that are not preempted. It is not where jitter itself follows from responses (tasks woken by the
-outputs of others): the assignment then is one that holds under the jitters given, to be analysed again. Assignments
-with equal priorities are not looked for: giving one of two equals the higher level never makes the other later.
+outputs of others, tasks that suspend themselves): the assignment then is one that holds under the jitters given, to be
+analysed again. Assignments with equal priorities are not looked for: giving one of two equals the higher level never
+makes the other later.
 """
 
 from __future__ import annotations
@@ -102,7 +103,7 @@ def optimal(tasks: Sequence[Task], steps: int = STEPS) -> Assignment:
             others = Interference()
             for other in (*handlers, *left):
                 if other is not candidate:
-                    others.add(other)
+                    others.add(other.interferer)
             blocked = changed(candidate, blocking=max(candidate.blocking, blocking))
             if meets_deadline(blocked, others, Budget(steps)):
                 break
@@ -127,7 +128,12 @@ Known = dict[tuple[object, ...], bool]
 
 
 def priority_ranges(tasks: Sequence[Task], steps: int = STEPS) -> tuple[PriorityRange, ...]:
-    """Per task the priorities that keep every deadline, by the trace method, ceilings following the priorities."""
+    """Per task the priorities that keep every deadline, by the trace method, ceilings following the priorities.
+
+    Empty where a task suspends itself: what it is to others follows from responses, and so from priorities.
+    """
+    if any(task.outside is not None for task in tasks):
+        return ()
     return tuple(_range(task, tasks, steps) for task in tasks if task.kind is Kind.TASK)
 
 
@@ -180,7 +186,7 @@ def _holds_at(one: Task, priority: int, tasks: Sequence[Task], known: Known, ste
             others = Interference()
             for other in moved:
                 if other.priority >= task.priority and other is not task:
-                    others.add(other)
+                    others.add(other.interferer)
             known[key] = meets_deadline(task, others, Budget(steps))
         if not known[key]:
             return False

@@ -44,6 +44,9 @@ if TYPE_CHECKING:
 STEPS = 100_000
 """Evaluations of the fixed point's right-hand side allowed per task before its response is given up as unknown."""
 
+SURELY_BELOW = 0.999
+"""A load that is less as a float is less than 1."""
+
 UNPROVEN_STEPS = 10_000
 """The same at a load of 1 where nothing is proven to repeat, and only a busy period that ends gives an answer."""
 
@@ -262,14 +265,17 @@ def _respond(
     """The result of one task and its w(1), where known."""
     if method is Method.PAPER:
         return _first_job(task, others, budget)
-    level = load_compared_to_one(chain(others.tasks, (task,)), others.load + float_load(task))
+    load = others.load + float_load(task)
+    level = -1 if load < SURELY_BELOW else load_compared_to_one(chain(others.tasks, (task,)), load)
     if level > 0:
         if task.outside is not None and load_compared_to_one([*others.tasks, task.outside], 1.0) <= 0:
             return ResponseResult(task.name, None, task.deadline, method, Reason.WAITS), None
         return _overload(task, others, method), None
-    repeat = repetition([*others.tasks, task]) if level == 0 else None
-    if level == 0 and repeat is None:
-        budget.steps = min(budget.steps, UNPROVEN_STEPS)
+    repeat = None
+    if level == 0:
+        repeat = repetition([*others.tasks, task])
+        if repeat is None:
+            budget.steps = min(budget.steps, UNPROVEN_STEPS)
     deferred = is_deferred(task)
     if deferred:
         jobs = deferred_finishes(task, others, budget, repeat)
@@ -280,12 +286,15 @@ def _respond(
     if not jobs.closed:
         reason = Reason.FULL_LOAD if level == 0 else Reason.LIMIT
         return ResponseResult(task.name, None, task.deadline, method, reason), first
-    lasting = [end - index * task.period for index, end in enumerate(finishes)]
-    worst = lasting.index(max(lasting))
+    worst = 0
+    lasting = list(finishes)
+    if len(finishes) > 1:
+        lasting = [end - index * task.period for index, end in enumerate(finishes)]
+        worst = lasting.index(max(lasting))
     if method is Method.EXACT and not deferred and task.outside is None:
         from mauve.timing.exact import refine
 
-        refined = refine(task, others, max(lasting), runs)
+        refined = refine(task, others, lasting[worst], runs)
         if refined is not None:
             return _refined(task, refined, jobs.busy), first
     result = ResponseResult(
@@ -298,7 +307,7 @@ def _respond(
         busy_period=jobs.busy,
         caveats=_estimated(task, others, finishes[-1], len(finishes)),
         section=section_of(task) if deferred else 0,
-        from_release=_from_release(task, finishes),
+        from_release=finishes[0] if len(finishes) == 1 else _from_release(task, finishes),
     )
     if method is Method.EXACT:
         result = changed(result, caveats=(*result.caveats, Caveat.FELL_BACK))

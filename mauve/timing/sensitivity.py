@@ -2,8 +2,9 @@
 
 Each quantity is varied alone, all else unchanged, by bisection; that is exact because a higher cost, a shorter period
 and a slower processor never make a response shorter. The probes use the trace method, so the answers are safe for it
-and for `exact`. Sections follow the cost of what runs in them, deadlines and jitters stay as they are; where jitters
-follow from responses, `settle` gives the tasks their jitters anew at each probe.
+and for `exact`. Sections follow the cost of what runs in them, deadlines and jitters stay as they are; where jitters,
+or what a task that suspends itself is to others, follow from responses, `settle` gives them anew at each probe. With
+such tasks and no `settle` nothing is known.
 """
 
 from __future__ import annotations
@@ -19,7 +20,7 @@ from mauve.timing.psm import PsmTransition, map_costs
 from mauve.timing.response import STEPS, first_late, interference_on, meets_deadline
 from mauve.timing.shrink import MOMENTS, What, moments, uses_label
 from mauve.timing.task import Kind, Section, Task, Workload
-from mauve.timing.traces import Curve, PsmCurve, altered
+from mauve.timing.traces import Curve, DividedCurve, PsmCurve, altered
 
 PRECISION = 24
 """The speed of the processor is searched for in steps of 2^-24."""
@@ -71,7 +72,9 @@ class PeriodSlack:
 class Speed:
     """The lowest speed of the processor, as a part of its present one, with which every deadline holds.
 
-    Exact, or at most 2^-24 above the truth; None where no speed suffices (jitter alone exceeds a deadline).
+    Exact, or at most 2^-24 above the truth, or more where a load so close to 1 remains that busy periods become too
+    long to look at; None where no speed suffices (jitter alone exceeds a deadline), and, not exact, where nothing is
+    known.
     """
 
     factor: Fraction | None
@@ -90,7 +93,12 @@ class Sensitivity:
 def sensitivity(tasks: Sequence[Task], steps: int = STEPS, settle: Settle | None = None) -> Sensitivity:
     """How much each cost, each period and the processor's speed may change."""
     costs, periods = cost_slacks(tasks, steps, settle), period_slacks(tasks, steps, settle)
-    return Sensitivity(costs, periods, lowest_speed(tasks, steps))
+    return Sensitivity(costs, periods, lowest_speed(tasks, steps, settle))
+
+
+def _unknown(tasks: Sequence[Task], settle: Settle | None) -> bool:
+    """Whether what tasks are to others would have to be settled anew, and cannot be."""
+    return settle is None and any(task.outside is not None for task in tasks)
 
 
 # ----------------------------------------------------------------------------------------------------------- probes
@@ -171,6 +179,8 @@ def cost_slacks(
     tasks: Sequence[Task], steps: int = STEPS, settle: Settle | None = None
 ) -> tuple[CostSlack, ...]:
     """What each workload, each codel and the context switches may cost, in this order."""
+    if _unknown(tasks, settle):
+        return ()
     found = []
     limits, late = _as_it_is(tasks, steps, settle)
     longest = max((task.deadline for task in tasks), default=0)
@@ -275,6 +285,8 @@ def period_slacks(
     tasks: Sequence[Task], steps: int = STEPS, settle: Settle | None = None
 ) -> tuple[PeriodSlack, ...]:
     """The shortest period of each task, its deadline unchanged; regions that run in one of several jobs still do."""
+    if _unknown(tasks, settle):
+        return ()
     found = []
     limits, late = _as_it_is(tasks, steps, settle)
     for task in tasks:
@@ -303,15 +315,18 @@ def _with_period(task: Task, period: int) -> Task:
 
 
 # ------------------------------------------------------------------------------------------------------------ speed
-def lowest_speed(tasks: Sequence[Task], steps: int = STEPS) -> Speed:
+def lowest_speed(tasks: Sequence[Task], steps: int = STEPS, settle: Settle | None = None) -> Speed:
     """The critical scaling factor: the lowest speed, relative to the present one, with which every deadline holds.
 
     Costs, sections, blocking and context switches take 1 / speed of their time; periods, deadlines and jitters stay.
     Searched for in steps of 2^-24; then the requirement of the first job late at the step below is solved exactly:
-    speed >= min over the moments t of its window of (work released in [0, t)) / t.
+    speed >= min over the moments t of its window of (work released in [0, t)) / t. With `settle` times stay in their
+    unit and costs are rounded up, so the answer is not exact.
     """
+    if _unknown(tasks, settle):
+        return Speed(None, False)
     one = 1 << PRECISION
-    scale = _Scale(tasks, steps)
+    scale = _Scale(tasks, steps, settle)
     if not scale.costs:
         return Speed(Fraction(0), True)
     low, high = 0, one
@@ -326,7 +341,7 @@ def lowest_speed(tasks: Sequence[Task], steps: int = STEPS) -> Speed:
         else:
             low = middle
     needed = Fraction(low, one)
-    for _ in range(8):
+    for _ in range(8 if settle is None else 0):
         more = scale.required(needed)
         if more is None or not needed < more <= Fraction(high, one):
             break
@@ -339,11 +354,13 @@ def lowest_speed(tasks: Sequence[Task], steps: int = STEPS) -> Speed:
 class _Scale:
     """The tasks at another speed: n / d times as fast is costs times d and all other times times n, in integers."""
 
-    __slots__ = ("costs", "curves", "steps", "tasks")
+    __slots__ = ("costs", "curves", "given", "settle", "steps", "tasks")
 
-    def __init__(self, tasks: Sequence[Task], steps: int) -> None:
+    def __init__(self, tasks: Sequence[Task], steps: int, settle: Settle | None) -> None:
+        self.given = tasks
         self.tasks = with_blocking(tasks)
         self.steps = steps
+        self.settle = settle
         self.costs = any(task.blocking or task.demand(1) for task in self.tasks)
         self.curves: dict[tuple[str, int, int], Curve] = {}
 
@@ -378,7 +395,12 @@ class _Scale:
         """Whether every deadline holds at this speed, the lowest tasks asked first."""
         if speed <= 0:
             return False
-        scaled = self.at(speed)
+        if self.settle is None:
+            scaled = self.at(speed)
+        else:
+            scaled = with_blocking(self.settle([_slower(task, speed) for task in self.given]) or ())
+            if not scaled:
+                return False
         ours = sorted((task for task in scaled if task.kind is Kind.TASK), key=lambda task: task.priority)
         return all(meets_deadline(task, interference_on(task, scaled), Budget(self.steps)) for task in ours)
 
@@ -407,3 +429,19 @@ class _Scale:
             return None
         base = task.blocking + task.demand(job)
         return min(Fraction(base + others.demand(at), at) for at in {window, *released} if at > 0)
+
+
+def _slower(task: Task, speed: Fraction) -> Task:
+    """The task on a processor so much faster, its costs rounded up."""
+
+    def scaled(time: int) -> int:
+        return -(-time * speed.denominator // speed.numerator)
+
+    return changed(
+        task,
+        work=tuple(changed(part, curve=DividedCurve(part.curve, speed)) for part in task.work),
+        blocking=scaled(task.blocking),
+        overhead=scaled(task.overhead),
+        sections=tuple(changed(section, length=scaled(section.length)) for section in task.sections),
+        tail=scaled(task.tail),
+    )

@@ -120,7 +120,7 @@ class Task:
         """E(jobs): the greatest total cost of so many consecutive jobs, overhead included."""
         total = jobs * self.overhead
         for part in self.work:
-            total += part.curve.total(self.activations(part, jobs))
+            total += part.curve.total(jobs if not part.period else self.activations(part, jobs))
         return total
 
     @property

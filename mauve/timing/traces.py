@@ -247,6 +247,40 @@ class AffineCurve(Curve):
         return self.base.estimated(jobs)
 
 
+class DividedCurve(Curve):
+    """Another curve on a processor `speed` times as fast: E(n) = base(n) / speed, rounded up."""
+
+    __slots__ = ("base", "speed")
+
+    def __init__(self, base: Curve, speed: Fraction) -> None:
+        self.base, self.speed = base, speed
+
+    def __repr__(self) -> str:
+        return f"DividedCurve({self.base!r}, {self.speed})"
+
+    def total(self, jobs: int) -> int:
+        """E(jobs)."""
+        return -(-self.base.total(jobs) * self.speed.denominator // self.speed.numerator)
+
+    @property
+    def mean(self) -> Fraction:
+        """The mean of the base over the speed."""
+        return self.base.mean / self.speed
+
+    @property
+    def floor(self) -> Fraction:
+        """The floor of the base over the speed: rounding up only adds to it."""
+        return self.base.floor / self.speed
+
+    def repeat(self) -> Repeat | None:
+        """Rounded totals are not proven to repeat."""
+        return None
+
+    def estimated(self, jobs: int) -> bool:
+        """Where the base is."""
+        return self.base.estimated(jobs)
+
+
 def altered(curve: Curve, times: int = 1, more: int = 0) -> Curve:
     """The curve with every cost multiplied by `times` and every job dearer by `more`."""
     if isinstance(curve, ConstantCurve):

@@ -101,7 +101,7 @@ def chains(draw: st.DrawFn) -> list[Hop]:
     return hops
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=60, deadline=None)
 @given(chains(), st.integers(0, 2**32))
 def test_no_run_exceeds_the_bounds(hops: list[Hop], seed: int) -> None:
     rng = random.Random(seed)
@@ -134,7 +134,7 @@ def test_the_bounds_are_met_by_the_worst_phases() -> None:
     assert chain_latencies(hops).reaction.total == 40 - 0 + 1
 
 
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=40, deadline=None)
 @given(st.integers(0, 2**32))
 def test_a_hidden_writer_is_really_hidden_under_fixed_priorities(seed: int) -> None:
     """Unit steps on one processor: the writer more urgent, both with random phases and jitter."""

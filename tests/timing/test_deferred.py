@@ -132,7 +132,7 @@ def mixed(draw: st.DrawFn) -> list[Task]:
     return tasks
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=40, deadline=None)
 @given(mixed())
 def test_the_shortcuts_change_nothing(tasks: list[Task]) -> None:
     found = analyse(tasks, steps=4000)
@@ -235,7 +235,7 @@ def sharing(draw: st.DrawFn) -> list[Task]:
     return tasks
 
 
-@settings(max_examples=80, deadline=None)
+@settings(max_examples=50, deadline=None)
 @given(sharing(), st.integers(0, 2**32))
 def test_no_simulation_exceeds_the_bound(tasks: list[Task], seed: int) -> None:
     bounds = responses(tasks)

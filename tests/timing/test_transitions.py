@@ -44,7 +44,7 @@ def test_methods_without_machines_and_tasks_without_responses_have_none() -> Non
     assert transition_responses(analyse([Task("m", 1, 4, 30, (work,))]), "m") == ()
 
 
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=50, deadline=None)
 @given(systems(), psms(max_states=4, max_cost=6), st.booleans())
 def test_the_greatest_is_the_response_of_the_task(tasks: list[Task], psm: Psm, preemptive: bool) -> None:
     one = Task("m", 1, 15, 15, (machine(psm),), preemptive=preemptive)
@@ -57,7 +57,7 @@ def test_the_greatest_is_the_response_of_the_task(tasks: list[Task], psm: Psm, p
             assert max(each.wcrt for each in found) == wcrt
 
 
-@settings(max_examples=80, deadline=None)
+@settings(max_examples=50, deadline=None)
 @given(systems(size=3), psms(max_states=4, max_cost=6), st.integers(0, 2**32))
 def test_no_simulated_job_exceeds_the_response_of_its_transition(tasks: list[Task], psm: Psm, seed: int) -> None:
     """Unit steps from a synchronous release with the greatest jitter, over random runs."""
