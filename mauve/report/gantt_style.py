@@ -80,7 +80,7 @@ _LEGEND = (
         '<rect fill="url(#locked)" x="0" y="-10" width="18" height="12"/>',
     ),
     ("context switch", '<rect class="switch" x="0" y="-10" width="18" height="12" rx="1.5"/>'),
-    ("waits for as urgent or more urgent work", '<rect class="wait" x="0" y="-6" width="18" height="5"/>'),
+    ("waits for more urgent work", '<rect class="wait" x="0" y="-6" width="18" height="5"/>'),
     ("waits for less urgent work", '<rect fill="url(#blocked)" x="0" y="-8" width="18" height="8"/>'),
     ("waits for an answer", '<path class="away" d="M0 -3.5H18"/>'),
     ("release", '<path class="release" d="M9 2V-10M6 -6.5L9 -10L12 -6.5"/>'),

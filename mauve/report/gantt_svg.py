@@ -119,8 +119,8 @@ class _Panel:
         for task, start, end in _stretches(outcome.segments):
             x = self.axis.x(start)
             yield box(f'class="{colours[task]}"', x, top + 11, self.axis.x(end) - x, BAR)
-        yield words(f"{outcome.switches} context switches", self.scene.right, top + 18, 10, anchor="end")
-        yield words(f"{outcome.preemptions} preemptions", self.scene.right, top + 31, 10, anchor="end")
+        yield words(f"context switches: {outcome.switches}", self.scene.right, top + 18, 10, anchor="end")
+        yield words(f"preemptions: {outcome.preemptions}", self.scene.right, top + 31, 10, anchor="end")
 
 
 def _stretches(segments: Sequence[Segment]) -> Iterator[tuple[str, int, int]]:

@@ -61,8 +61,8 @@ def _processor(
     ]
     yield from format_table(COLUMNS, rows, style, limit=limit)
     share = f"{100 * outcome.busy / outcome.end:.1f} %" if outcome.end else "none"
-    yield f"  busy {share} of the time, idle {show(outcome.idle)}; {outcome.switches} context switches, " + (
-        f"{outcome.preemptions} preemptions; deadlines missed: {outcome.misses}"
+    yield f"  busy {share} of the time, idle {show(outcome.idle)}; context switches: {outcome.switches}, " + (
+        f"preemptions: {outcome.preemptions}, deadlines missed: {outcome.misses}"
     )
     yield ""
     yield from _timeline(run, outcome, limit)
