@@ -11,7 +11,7 @@ from typing import Any
 from mauve import __version__
 from mauve.units import TIME_UNITS
 
-STAGES = ("ast", "model", "cfg", "psm", "traces", "tasks")
+STAGES = ("ast", "model", "cfg", "psm", "traces", "tasks", "objectives", "net", "alternatives")
 METHODS = ("trace", "exact", "paper", "sporadic")
 FORMS = (
     "objectives", "net", "alternatives", "dot", "net-dot", "json", "pnml", "tina", "lola", "c", "c-header", "python",

@@ -152,7 +152,7 @@ def _check_possible(mission: Mission, dependence: Dependence, report: Report) ->
             chain, why = _impossible(mission, ref.name, dependence)
             message = f"the objective `{one.name}` always fails: `{ref.name}` can never run"
             labels = (Label(ref.span, "needed here"),)
-            help_ = Fix(f"make one alternative of `{chain[-1]}` possible")
+            help_ = Fix(f"make one alternative of `{chain[-2]}` possible")
             note = f"{' -> '.join(f'`{name}`' for name in chain)}: {why}"
             report.add(Diagnostic("MV710", message, Label(one.span), labels=labels, notes=(note,), help=help_))
 

@@ -24,7 +24,7 @@ from mauve.units import format_time
 
 
 def format_model(model: Model) -> str:
-    """The whole model, in the order: components, architectures, boards, deployments."""
+    """The whole model, in the order: components, architectures, boards, deployments, missions."""
     lines: list[str] = []
     for component in model.components:
         lines += _component(component)
@@ -34,6 +34,10 @@ def format_model(model: Model) -> str:
         lines += _board(board)
     for deployment in model.deployments:
         lines += _deployment(deployment)
+    if model.missions is not None:
+        from mauve.model.mission_print import format_missions
+
+        lines += format_missions(model.missions)
     return "\n".join(lines)
 
 

@@ -59,7 +59,7 @@ def _deployment(result: DeploymentResult) -> dict[str, object]:
         from mauve.report.modes_text import worst_responses
 
         worst = worst_responses(result.modes)
-        modes = {"modes": [modes_document(one) for one in result.modes]}
+        modes = {"mission_modes": [modes_document(one) for one in result.modes]}
     return {
         "name": deployment.name,
         "architecture": deployment.architecture.name,

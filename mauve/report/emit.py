@@ -27,6 +27,11 @@ def emit(stage: str, result: CheckResult) -> str:
             lines = [line for deployment in result.deployments for line in _traces(deployment)]
         case "tasks":
             lines = [line for deployment in result.deployments for line in _tasks(deployment)]
+        case "objectives" | "net" | "alternatives":
+            from mauve.report.mission_emit import OF_GRAPH, emit_mission
+
+            known = [one for one in result.missions if one.graph is not None or stage not in OF_GRAPH]
+            lines = [emit_mission(stage, one).rstrip("\n") for one in known]
         case _:
             raise ValueError(f"there is no stage {stage}")
     return "".join(line + "\n" for line in lines)

@@ -20,6 +20,10 @@ def mission_lines(result: MissionResult, style: Style, limit: int | None) -> Ite
         yield f"  too many states for one graph; {len(result.local)} objectives on graphs of their own"
     words = {True: "holds", False: "fails", None: "undecided"}
     yield "  " + "; ".join(f"{verdict.name} {words[verdict.holds]}" for verdict in result.verdicts)
-    yield f"  fails without {sets_text(result.cuts)}"
+    if not result.cuts:
+        yield "  no loss of devices forces failure"
+    else:
+        cannot = "cannot succeed, whatever is in service" if () in result.cuts else ""
+        yield f"  {cannot or f'fails without {sets_text(result.cuts)}'}"
     verdict, role = ("holds", Role.HELP) if result.holds else ("does not hold", Role.ERROR)
     yield f"  {style.paint(role, f'mission {name} {verdict}')}"

@@ -104,9 +104,11 @@ def _cuts(result: MissionResult, style: Style, limit: int | None) -> Iterator[st
 
 
 def sets_text(sets: Sequence[Sequence[str]]) -> str:
-    """Sets of names: `{A} or {B, C}`."""
+    """Sets of names: `{A} or {B, C}`; a dash for none."""
     if not sets:
-        return "none"
+        return "-"
+    if () in sets:
+        return "(fails with all devices in service)"
     return " or ".join("{" + ", ".join(one) + "}" for one in sets)
 
 

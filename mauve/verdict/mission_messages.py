@@ -107,7 +107,7 @@ def _contention(result: MissionResult, span: Span) -> Diagnostic:
     )
     notes = [" -> ".join(f"`{name}`" for name in chain) for chain in (rival.first, rival.second)]
     if verdict.witness:
-        notes.append(f"after {run_text(verdict.witness)}, one event has two outcomes")
+        notes.append(f"the last event of {run_text(verdict.witness)} has two outcomes")
     fired = result.confluence.divergences if result.confluence else ()
     if fired:
         first = min(fired, key=lambda one: one.state)
@@ -145,7 +145,7 @@ def _taken(mission: Mission, chain: tuple[str, ...]) -> Span | None:
 def outcome_text(view: StateView) -> str:
     """A stable state in a few words."""
     said = [activity if one == "only" else f"{activity}.{one}" for activity, one in view.running]
-    words = [f"{', '.join(said)} run" if said else "nothing runs"]
-    words += [f"{', '.join(view.failed)} failed"] if view.failed else []
+    words = [f"running {', '.join(said)}" if said else "nothing runs"]
+    words += [f"failed {', '.join(view.failed)}"] if view.failed else []
     words += [view.outcome] if view.outcome else []
     return "; ".join(words)

@@ -26,10 +26,6 @@ from mauve.records import changed, record
 STATES = 1_000_000
 """Stable states of one mission, where nobody says otherwise."""
 
-CASCADES = 200_000
-"""Markings inside cascades that are followed in all orders; beyond, random orders are tried."""
-
-
 @record
 class MissionOptions:
     """How much may be looked at: stable states, and whether the graph of all markings is built, too."""
@@ -112,11 +108,9 @@ def check_mission(mission: Mission, options: MissionOptions) -> MissionResult:
         graph, exceeded, shown, analysis, local, verdicts, cuts = None, found, None, None, *result
     else:
         graph, exceeded, local = found, None, ()
-        shown = confluence(graph, CASCADES)
+        shown = confluence(graph)
         analysis = analyse(graph, shown, wanted)
         verdicts, cuts = analysis.verdicts, analysis.cuts if analysis.cuts is not None else _static_cuts(mission)
-    if not rivals:
-        verdicts = tuple(_by_construction(verdict) for verdict in verdicts)
     order = tuple(dict.fromkeys((*ALWAYS, *wanted)))
     by_property = dict(zip(order, verdicts, strict=True))
     answers = tuple(Asked(by_property[property_], written) for property_, written in asked)
@@ -132,14 +126,6 @@ def _graph(net: Net, plan_: Plan, budget: int) -> AlternativesGraph | BudgetExce
     if len(devices) > budget.bit_length() or 1 << len(devices) > budget:
         return BudgetExceeded(budget, tuple((name, 2000) for name in devices))
     return alternatives_graph(net, budget)
-
-
-def _by_construction(verdict: f.Verdict) -> f.Verdict:
-    """Without contention, only the templates' own steps are in conflict, and these exclude each other: what is not
-    refuted holds."""
-    if verdict.holds is None and verdict.name in ("bounded", "deterministic"):
-        return changed(verdict, holds=True, note="no two activities can want one exclusive resource; " + verdict.note)
-    return verdict
 
 
 def _static_cuts(mission: Mission) -> tuple[tuple[str, ...], ...]:
@@ -179,7 +165,7 @@ def _local(one: LocalGraph, order: Sequence[f.Property]) -> LocalResult:
 
 
 def _analysed(graph: AlternativesGraph, wanted: tuple[f.Property, ...]) -> Analysis:
-    return analyse(graph, confluence(graph, CASCADES), wanted)
+    return analyse(graph, confluence(graph), wanted)
 
 
 def _combined(wanted: f.Property, local: Sequence[LocalResult]) -> f.Verdict:

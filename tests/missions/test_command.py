@@ -121,8 +121,9 @@ def test_each_form_is_written(form: str, capsys: pytest.CaptureFixture[str], goo
 
 
 def test_the_objectives_are_spread_out(capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["mission", CORAL, "--emit", "objectives"]) == 0
-    assert capsys.readouterr().out == OBJECTIVES
+    for command in ("mission", "check"):
+        assert main([command, CORAL, "--emit", "objectives"]) == 0
+        assert capsys.readouterr().out == OBJECTIVES
 
 
 OBJECTIVES = """\

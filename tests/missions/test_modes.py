@@ -100,7 +100,7 @@ def test_only_tasks_of_running_activities_are_active(tmp_path: Path, capsys: pyt
     code, document = checked(text(), tmp_path, capsys)
     assert code == 0 and document["holds"]
     (deployment,) = document["deployments"]
-    (modes,) = deployment["modes"]
+    (modes,) = deployment["mission_modes"]
     # what always runs; gps, and nav in Fine; imu, and nav in Coarse
     assert modes["mode_task_sets"] == 3 and modes["holds"] and not modes["failing"]
     # in the switch: 6ms of nav + 1ms of gps + 1ms of imu + 2 x 0.5ms of watch + 3 x 0.1ms of the controller
@@ -110,7 +110,7 @@ def test_only_tasks_of_running_activities_are_active(tmp_path: Path, capsys: pyt
 def test_old_and_new_tasks_together_are_checked(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """Alone each mode holds a deadline of 8.6ms; in the switch, with both drivers, nav takes longer."""
     code, document = checked(text(deadline="8600us"), tmp_path, capsys)
-    (modes,) = document["deployments"][0]["modes"]
+    (modes,) = document["deployments"][0]["mission_modes"]
     assert code == 1 and not modes["holds"]
     assert all(one["switch"] for one in modes["failing"]) and modes["failing"][0]["missed"] == ["nav"]
     assert {d["code"] for d in document["diagnostics"] if d["severity"] == "error"} == {"MV724"}
@@ -146,8 +146,8 @@ def test_a_missed_deadline_of_a_mode_is_told_with_its_bill(tmp_path: Path, capsy
 # ------------------------------------------------------------------------------------------------ states of a mode
 def test_a_state_that_is_left_by_itself_does_not_restrict(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """In Coarse nav takes 2ms; where Fine is left without an event, it can be in either state in either mode."""
-    held = checked(text(), tmp_path, capsys)[1]["deployments"][0]["modes"][0]
-    free = checked(text(leave=""), tmp_path, capsys)[1]["deployments"][0]["modes"][0]
+    held = checked(text(), tmp_path, capsys)[1]["deployments"][0]["mission_modes"][0]
+    free = checked(text(leave=""), tmp_path, capsys)[1]["deployments"][0]["mission_modes"][0]
     assert held["mode_task_sets"] == 3 and free["mode_task_sets"] == 3
     assert responses(free)["nav"] == responses(held)["nav"]
 
@@ -180,7 +180,7 @@ def test_a_mode_costs_its_state_and_a_switch_the_machine(
 
 # ------------------------------------------------------------------------------------------------ reactions
 def test_a_reaction_is_detector_controller_and_switched(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    (modes,) = checked(text(), tmp_path, capsys)[1]["deployments"][0]["modes"]
+    (modes,) = checked(text(), tmp_path, capsys)[1]["deployments"][0]["mission_modes"]
     reactions = {one["event"]: one for one in modes["reactions"]}
     lost = reactions["G_EV_OOS"]
     assert lost["detector"]["task"] == "gps" and lost["detector"]["wait_ps"] == 10 * MS
@@ -195,18 +195,18 @@ def test_a_reaction_is_detector_controller_and_switched(tmp_path: Path, capsys: 
 
 def test_a_controller_that_is_woken_does_not_poll(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     woken = TASK.replace("period", "sporadic")
-    (modes,) = checked(text(controller=woken), tmp_path, capsys)[1]["deployments"][0]["modes"]
+    (modes,) = checked(text(controller=woken), tmp_path, capsys)[1]["deployments"][0]["mission_modes"]
     assert modes["reactions"][0]["controller"]["wait_ps"] == 0
 
 
 def test_a_controller_can_be_an_instance(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    (modes,) = checked(text(controller=" runs watch"), tmp_path, capsys)[1]["deployments"][0]["modes"]
+    (modes,) = checked(text(controller=" runs watch"), tmp_path, capsys)[1]["deployments"][0]["mission_modes"]
     assert modes["reactions"][0]["controller"]["task"] == "watch"
     assert modes["reactions"][0]["controller"]["wait_ps"] == 5 * MS
 
 
 def test_without_a_task_of_the_controller_there_is_no_bound(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    (modes,) = checked(text(controller=""), tmp_path, capsys)[1]["deployments"][0]["modes"]
+    (modes,) = checked(text(controller=""), tmp_path, capsys)[1]["deployments"][0]["mission_modes"]
     assert modes["reactions"] == [] and modes["holds"]
 
 
