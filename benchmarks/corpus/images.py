@@ -126,10 +126,10 @@ def missing(compiler: str) -> str:
     return ""
 
 
-def build(image: Image, source: Path, out: Path) -> str:
-    """Build one image unless it is there; what went wrong, or empty."""
+def build(image: Image, source: Path, out: Path, more: tuple[str, ...] = ()) -> str:
+    """Build one image unless it is there, with more options of the compiler; what went wrong, or empty."""
     name = str(source.relative_to(HERE)) if source.is_relative_to(HERE) else str(source)
-    words = command([name], image.compiler, image.core)
+    words = command([name], image.compiler, image.core, more)
     target = out / f"{image.name}.elf"
     digest = sha256("\0".join(words).encode())
     for path in (source, HERE / "start.c", HERE / "link.ld"):

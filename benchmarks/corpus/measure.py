@@ -45,7 +45,7 @@ def measure(path: Path, source: Path, arguments: argparse.Namespace) -> Row:
     if run.returncode or not run.stdout.strip():
         return row | {"traceback": run.stderr.strip() or f"exit {run.returncode}", "seconds": 0.0}
     found: Row = json.loads(run.stdout.strip().splitlines()[-1])
-    return found
+    return found | {"source": str(source)}
 
 
 def chosen(arguments: argparse.Namespace) -> list[tuple[Path, Path]]:

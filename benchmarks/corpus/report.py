@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from math import ceil
+from pathlib import Path
 from typing import Any
 
+ROOT = Path(__file__).resolve().parents[2]
 Row = dict[str, Any]
 Loop = dict[str, Any]
 
@@ -103,9 +105,12 @@ def failures(rows: Sequence[Row]) -> str:
 
 
 def reproduce(row: Row) -> str:
-    name = f"{row['program']}.{row['compiler']}.{row['core']}"
-    source = f"benchmarks/corpus/programs/{row['program']}.c"
-    return f"python benchmarks/corpus/one.py build/corpus/{name}.elf {source} --mode {row['mode']}"
+    """The command that shows a row again, from the root of the checkout."""
+    name = f"{row['program']}.{row['compiler']}.{row['core']}.elf"
+    source = Path(row.get("source") or f"benchmarks/corpus/programs/{row['program']}.c")
+    folder = Path("build/corpus") if source.parent.name == "programs" else source.parent
+    paths = (str(path).removeprefix(f"{ROOT}/") for path in (folder / name, source))
+    return f"python benchmarks/corpus/one.py {' '.join(paths)} --mode {row['mode']}"
 
 
 def _faults(row: Row) -> list[tuple[int, str, str, str]]:
