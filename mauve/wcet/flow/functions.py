@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING
 
 from mauve.wcet.binary import callgraph
 from mauve.wcet.binary.cfg import Control
@@ -29,6 +30,9 @@ from mauve.wcet.flow.result import AddressRange, FunctionFlow, LoopBound
 from mauve.wcet.flow.state import ABSOLUTE, State, Symbols
 from mauve.wcet.flow.values import LoopValues
 from mauve.wcet.result import Origin, Problem, ProblemKind
+
+if TYPE_CHECKING:
+    from mauve.wcet.flow.ranking import Ranking
 
 MOST_CONTEXTS = 24
 """How many contexts of one function are asked for in the analysis of one other."""
@@ -184,10 +188,15 @@ class Functions:
         wanted = frozenset(k for k in callgraph.callees(cfg) if k in assumed or self._incomplete(k))
         calls = ProgramCalls(self.summaries, wanted)
 
-        def ranking(loop: Loop, record: Record) -> tuple[int, str] | None:
-            from mauve.wcet.flow.ranking import bound_by_ranking
+        rankings: dict[int, Ranking] = {}
 
-            found = bound_by_ranking(cfg, nest, loop, LoopValues(record, loop.id, self.image))
+        def ranking(loop: Loop, record: Record) -> tuple[int, str] | None:
+            from mauve.wcet.flow.ranking import Ranking
+
+            values = LoopValues(record, loop.id, self.image)
+            if id(record) not in rankings:
+                rankings[id(record)] = Ranking(cfg, nest, values)
+            found = rankings[id(record)].bound(loop, values)
             return None if found is None else (found.bound, found.method)
 
         stated = _smallest(self.stated[key].bounds, _library(cfg, nest))

@@ -27,7 +27,7 @@ from mauve.wcet.flow.locations import (
 from mauve.wcet.flow.rank.affine import affine
 from mauve.wcet.flow.rank.inductive import inductive, inductive_of
 from mauve.wcet.flow.rank.iterate import iterate
-from mauve.wcet.flow.rank.paths import Program, State, entry_states, prepare, summarise_loop
+from mauve.wcet.flow.rank.paths import Program, State, Summaries, entry_states, prepare, summarise_loop
 from mauve.wcet.flow.rank.problem import MOST, Problem, pose
 from mauve.wcet.flow.rank.shapes import bits_cleared, remainders, wide_shift
 from mauve.wcet.flow.rank.terms import Atom, Var, meet, static_range
@@ -65,6 +65,48 @@ _ARGUMENTS: tuple[tuple[str, Callable[[Problem], int | None]], ...] = (
 )
 
 
+class Ranking:
+    """Ranking arguments for the loops of one function; what the loops have in common is found out once.
+
+    `common` gives what the value analysis knows of accesses and constants. `effects` maps the index of an edge with
+    callees to what they may change; an edge that is missing follows AAPCS: r0-r3, r12, lr, the flags and all memory
+    that is not the caller's frame are lost.
+    """
+
+    def __init__(
+        self,
+        cfg: Cfg,
+        nest: LoopNest,
+        common: EntryValues | None = None,
+        effects: Mapping[int, CallEffects] | None = None,
+    ) -> None:
+        self._irreducible = frozenset[int]().union(*nest.irreducible)
+        self._in_order = all(block.id == index for index, block in enumerate(cfg.blocks))
+        self._program = prepare(cfg, nest, common, effects, inductive)
+        self._entries: dict[int, list[State]] | None = None
+        self._summaries: dict[bool, Summaries] = {False: Summaries(), True: Summaries()}
+
+    def bound(self, loop: Loop, values: EntryValues | None = None) -> RankBound | None:
+        """The best bound that some argument proves for a loop, or None; `values` are those at its header."""
+        if self._irreducible & loop.blocks or not self._in_order:
+            return None
+        program = self._program
+        if self._entries is None:
+            program.summaries = self._summaries[False]
+            self._entries = entry_states(program)
+        entries = [state.copy() for state in self._entries.get(loop.header, ())]
+        best: RankBound | None = None
+        for coarse in (False, True):
+            program.coarse, program.summaries = coarse, self._summaries[coarse]
+            passes = summarise_loop(program, loop)
+            found = _best_argument(program, values or NoValues(), passes, entries)
+            if found is not None and (best is None or found.bound < best.bound):
+                best = found
+            if loop.header not in program.summaries.joined:
+                break
+        return best
+
+
 def bound_by_ranking(
     cfg: Cfg,
     nest: LoopNest,
@@ -72,31 +114,13 @@ def bound_by_ranking(
     values: EntryValues | None = None,
     effects: Mapping[int, CallEffects] | None = None,
 ) -> RankBound | None:
-    """The best bound that some ranking argument proves for `loop`, or None.
-
-    `effects` maps the index of an edge with callees to what they may change; an edge that is missing follows AAPCS:
-    r0-r3, r12, lr, the flags and all memory that is not the caller's frame are lost.
-    """
-    if any(region & loop.blocks for region in nest.irreducible) or any(b.id != i for i, b in enumerate(cfg.blocks)):
-        return None
-    program = prepare(cfg, nest, values, effects, inductive)
-    entries = entry_states(program).get(loop.header, [])
-    best: RankBound | None = None
-    for coarse in (False, True):
-        program.coarse, program.joined = coarse, False
-        program.summaries.clear()
-        passes = summarise_loop(program, loop)
-        found = _best_argument(program, passes, entries)
-        if found is not None and (best is None or found.bound < best.bound):
-            best = found
-        if not program.joined:
-            break
-    return best
+    """The best bound that some ranking argument proves for `loop` alone, or None; see `Ranking`."""
+    return Ranking(cfg, nest, values, effects).bound(loop, values)
 
 
-def _best_argument(program: Program, passes: list[State], entries: list[State]) -> RankBound | None:
-    values = program.values
-
+def _best_argument(
+    program: Program, values: EntryValues, passes: list[State], entries: list[State]
+) -> RankBound | None:
     def on_entry(of: Atom) -> Interval:
         return meet(static_range(of), values.on_entry(of.location)) if isinstance(of, Var) else static_range(of)
 

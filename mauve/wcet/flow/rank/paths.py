@@ -102,6 +102,14 @@ class Changes:
 
 
 @dataclass(slots=True)
+class Summaries:
+    """The passes of loops, by header; `joined` are those for which paths had to be joined."""
+
+    passes: dict[int, list[State]] = field(default_factory=dict)
+    joined: set[int] = field(default_factory=set)
+
+
+@dataclass(slots=True)
 class Program:
     """A function and everything about it that all summaries share."""
 
@@ -116,11 +124,11 @@ class Program:
     inductive: Callable[[Program, Loop, list[State]], Mapping[Location, Interval]]
     """intervals that hold at a loop's header in every iteration, given the states in which it is entered"""
     fresh: count[int] = field(default_factory=count)
-    summaries: dict[int, list[State]] = field(default_factory=dict)
+    summaries: Summaries = field(default_factory=Summaries)
     coarse: bool = False
     """a conditional instruction that sets no flags does not part the paths"""
     joined: bool = False
-    """paths had to be joined since this was last cleared"""
+    """paths had to be joined in the summary that is being made"""
 
     def unknown(self, low: int = 0, high: int = WORD - 1) -> Term:
         """A value about which nothing else is known."""
@@ -169,15 +177,21 @@ def initial_state(program: Program, block: int) -> State:
 
 def summarise_loop(program: Program, loop: Loop) -> list[State]:
     """The states at the ends of the back edges of `loop`, in terms of the values at the start of its header."""
-    if loop.header not in program.summaries:
+    summaries = program.summaries
+    if loop.header not in summaries.passes:
+        outside, program.joined = program.joined, False
         states = _passes(program, loop)
         if len(states) > FEW_PASSES and not program.coarse:
             program.joined, program.coarse = True, True
             coarse = _passes(program, loop)
             program.coarse = False
             states = coarse if len(coarse) < len(states) else states
-        program.summaries[loop.header] = states
-    return [state.copy() for state in program.summaries[loop.header]]
+        summaries.passes[loop.header] = states
+        if program.joined:
+            summaries.joined.add(loop.header)
+        program.joined |= outside
+    program.joined |= loop.header in summaries.joined
+    return [state.copy() for state in summaries.passes[loop.header]]
 
 
 def _passes(program: Program, loop: Loop) -> list[State]:
