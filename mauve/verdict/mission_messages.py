@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from mauve.diagnostics.diagnostic import Diagnostic, Fix, Label, Report, Severity
 from mauve.mission.contention import Contention
+from mauve.mission.formula import Verdict
 from mauve.mission.graph import StateView
 from mauve.model.missions import Claim, Ltl, Mission
 from mauve.source import Span
@@ -19,26 +20,27 @@ def report_mission(result: MissionResult, report: Report) -> None:
         report.add(_too_large(result))
     told = set()
     for asked in result.asked:
-        told.add(asked.verdict.name)
+        told.add(asked.verdict.name if isinstance(asked.written, Claim) else "")
         if asked.verdict.holds is None:
             report.add(_undecided(asked))
         elif not asked.verdict.holds:
-            report.add(_fails(result, asked.verdict.name, asked.written))
+            report.add(_fails(result, asked.verdict, asked.written))
     stuck = result.confluence is not None and (result.confluence.stuck or result.confluence.endless)
     for name in ("bounded", "deterministic", *(("live",) if stuck else ()), "success_reachable"):
         if name not in told and result.verdict(name).holds is False:
-            report.add(_fails(result, name, None))
+            report.add(_fails(result, result.verdict(name), None))
 
 
-def _fails(result: MissionResult, name: str, written: Claim | Ltl | None) -> Diagnostic:
+def _fails(result: MissionResult, verdict: Verdict, written: Claim | Ltl | None) -> Diagnostic:
     """What is said about a property that is violated."""
-    mission, verdict = result.mission, result.verdict(name)
+    mission, name = result.mission, verdict.name
     span = written.span if written is not None else mission.span
     data: tuple[tuple[str, object], ...] = (("property", name), ("witness", list(verdict.witness)))
     run = run_text(verdict.witness)
-    if name == "deterministic" and result.contentions:
+    formula = isinstance(written, Ltl)
+    if name == "deterministic" and result.contentions and not formula:
         return _contention(result, span)
-    if name.startswith("success_reachable"):
+    if name.startswith("success_reachable") and not formula:
         plain = name == "success_reachable"
         message = f"the mission `{mission.name}` cannot succeed" + ("" if plain else " after these losses")
         note = _point_of_no_return(result) if plain else f"{run}: from then on no success is possible"
