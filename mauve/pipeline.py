@@ -19,6 +19,7 @@ from mauve.lower.codels import CodelPlan, CodelTime, choose_times, plan_codels
 from mauve.lower.machines import build_machines
 from mauve.lower.placed import NodeTasks
 from mauve.lower.platform import timing_platform, wcet_board
+from mauve.lower.queues import check_overflow
 from mauve.lower.tasks import task_sets
 from mauve.model.boards import resolve_board
 from mauve.model.model import Deployment, Model
@@ -135,6 +136,8 @@ def check_deployment(
     for node in result.nodes:
         if node.analysis is not None and not result.modes:
             report_node(deployment, node.tasks, node.analysis, report)
+    for overflow in result.overflows:
+        report.add(overflow)
     report_flows(deployment, result.flows, report)
     for modes in result.modes:
         from mauve.verdict.mode_messages import report_modes
@@ -166,12 +169,14 @@ def analyse_deployment(
     nodes = _respond(deployment, placed, derivation, options.method)
     complete = derivation.complete and _complete(codels, nodes)
     modes = _modes(deployment, missions, placed, derivation, options.method, report) if complete else ()
-    flows = check_flows(deployment, [(node.tasks, node.analysis) for node in nodes]) if complete else ()
+    analysed = [(node.tasks, node.analysis) for node in nodes] if complete else []
+    flows = check_flows(deployment, analysed) if complete else ()
+    overflows = check_overflow(deployment, analysed)
     met = all(node.analysis is not None and node.analysis.schedulable for node in nodes)
     if modes:
         met = all(mode.holds for mode in modes)
-    holds = complete and met and all(flow.holds for flow in flows)
-    result = DeploymentResult(deployment, codels, built, nodes, complete, holds, flows, modes)
+    holds = complete and met and not overflows and all(flow.holds for flow in flows)
+    result = DeploymentResult(deployment, codels, built, nodes, complete, holds, flows, modes, overflows)
     return _varied(result, placed, derivation, options) if complete else result
 
 

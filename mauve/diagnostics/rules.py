@@ -106,6 +106,7 @@ RULES: dict[str, Rule] = {
         Rule("MV516", "fact-syntax", ERROR),
         Rule("MV517", "analysis-limit", ERROR),
         Rule("MV518", "fact-matches-several", NOTE),
+        Rule("MV519", "ideal-memory", NOTE),
         Rule("MV520", "no-wcet", ERROR),
         Rule("MV521", "time-given-twice", WARNING),
         # 6 schedulability

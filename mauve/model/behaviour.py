@@ -113,7 +113,8 @@ def _region(region: ast.RegionDecl, members: Members, hooks: Hooks | None, repor
     resolved = tuple(_state(state, states, members, hooks, report) for state in states.values())
     initial = _initial(region, states, report)
     result = Region(name, initial, resolved, region.span)
-    if initial:
+    named = {transition.target.text for state in states.values() for transition in state.transitions}
+    if initial and named <= set(states):  # else a wrong name may hide the way to a state
         check_region(result, members.component, report)
     return result
 

@@ -42,6 +42,10 @@ COMPONENTS = (
 )
 
 
+NARROW = 100
+"""On fewer columns the table of components goes without the slack."""
+
+
 def format_check(result: CheckResult, style: Style, limit: int | None = None, details: bool = False) -> str:
     """The whole result, a section per deployment; empty where nothing was analysed. `limit` is the width to keep to,
     `details` asks for the bill of each response and the share of each task in a flow."""
@@ -149,7 +153,12 @@ def _node(node: NodeResult, result: DeploymentResult, style: Style, limit: int |
     switch = node.tasks.node.board.context_switch
     about = f"; each activation includes two context switches of {format_time(switch)}" if switch else ""
     method = f"  response times by the {analysis.method.value} method{about}"
-    return [*format_table(COMPONENTS, rows, style, limit=limit), method]
+    columns: tuple[Column, ...] = COMPONENTS
+    if limit is not None and limit < NARROW:
+        # The slack is what the deadline leaves of the response: it can be spared.
+        columns = (*COMPONENTS[:4], Column("trace", elastic=True), *COMPONENTS[5:7], COMPONENTS[8])
+        rows = [(*row[:7], row[8]) for row in rows]
+    return [*format_table(columns, rows, style, limit=limit), method]
 
 
 def _worst(result: DeploymentResult) -> dict[str, ResponseResult] | None:
@@ -232,7 +241,9 @@ def _verdict(result: DeploymentResult, style: Style) -> str:
         every += " in every mode and switch" if worst is not None else ""
         text = f"{name}: {every}, {_certainty(result)}" + (", unexpectedly" if expected else "")
         return style.paint(Role.ERROR if expected else Role.HELP, text)
-    words = [f"{missed} of {count} deadlines missed"] if missed or not late else []
+    overflows = len(result.overflows)
+    words = [f"{missed} of {count} deadlines missed"] if missed or not (late or overflows) else []
+    words += [f"{overflows} queue{'s' if overflows > 1 else ''} may overflow"] if overflows else []
     words += [f"{late} flow{'s' if late > 1 else ''} late"] if late else []
     text = f"{name}: {', '.join(words)}" + (", as expected" if expected else "")
     return style.paint(Role.NOTE if expected else Role.ERROR, text)

@@ -14,13 +14,19 @@ from mauve.syntax.repair import Repair, Situation
 from mauve.syntax.tokens import END, Token
 
 _OPERATORS = {"=>": "->", "<-": "->", "==": "=", ":=": "=", "&&": "and", "||": "or", "!": "not"}
+_COMPARISONS = frozenset({"<", ">", "<=", ">=", "==", "!=", "=", "+", "-", "*", "/", "%"})
+_C_TYPES = {
+    "int": "i32", "unsigned": "u32", "short": "i16", "long": "i64", "char": "i8", "float": "f32", "double": "f64",
+    "int8_t": "i8", "int16_t": "i16", "int32_t": "i32", "int64_t": "i64",
+    "uint8_t": "u8", "uint16_t": "u16", "uint32_t": "u32", "uint64_t": "u64",
+}  # fmt: skip
 Tell = Callable[[Machine], Diagnostic]
 _UNITS = frozenset(unit for units in UNITS.values() for unit in units)
 
 
 def slip(situation: Situation) -> Repair | None:
     """The change for a known slip at the token that does not fit, if it is one and what it inserts fits."""
-    for find in (_semicolon, _operator, _direction, _runs_in, _apart, _bare_string, _no_unit, _with_unit):
+    for find in FINDERS:
         repair = find(situation)
         if repair is None:
             continue
@@ -40,6 +46,67 @@ def _told(message: str, start: int, end: int, text: str, label: str = "", words:
         return Diagnostic("MV001", message, Label(span, label), help=fix)
 
     return tell
+
+
+def _count_until(situation: Situation, end: int) -> int:
+    """How many tokens from the one that does not fit end before a place of the text."""
+    count = 1
+    while situation.token(count).kind != END and situation.token(count).end <= end:
+        count += 1
+    return count
+
+
+def _comment(situation: Situation) -> Repair | None:
+    """`# text` for `// text`."""
+    token = situation.token()
+    if token.text != "#":
+        return None
+    end = situation.text.find("\n", token.start)
+    count = _count_until(situation, end if end >= 0 else len(situation.text))
+    told = _told("a comment begins with `//`", token.start, token.start + 1, "//")
+    return Repair(replace=count, told=told)
+
+
+def _type_first(situation: Situation) -> Repair | None:
+    """`int left` for `left: i32`."""
+    token, before = situation.token(), situation.token(-1)
+    meant = _C_TYPES.get(before.text)
+    if token.kind != "NAME" or meant is None or "COLON" not in situation.row():
+        return None
+    told = _told("the name comes first, its type after `:`", before.start, token.end, f"{token.text}: {meant}")
+    return Repair(("COLON",), told=told)
+
+
+def _condition(situation: Situation) -> Repair | None:
+    """`when x > 3`: a guard has no expressions."""
+    token, before, after = situation.token(), situation.token(-1), situation.token(1)
+    if token.text not in _COMPARISONS or not {"AND", "OR"} <= set(situation.row()) or before.kind != "NAME":
+        return None
+    more = after.kind in ("NAME", "NUMBER", "QUANTITY", "HEX", "EXPONENT")
+
+    def tell(machine: Machine) -> Diagnostic:
+        span = Span(machine.file, before.start, after.end if more else token.end)
+        help_ = Fix(
+            f"decide it in C: declare `codel NAME reads {before.text} returns bool` and write `when NAME`",
+            (),
+            Applicability.PLACEHOLDERS,
+        )
+        return Diagnostic("MV001", "a guard combines bool codels, it has no expressions", Label(span), help=help_)
+
+    return Repair(replace=2 if more else 1, told=tell)
+
+
+def _bare_board(situation: Situation) -> Repair | None:
+    """`node base on generic-arm7tdmi` for `on "generic-arm7tdmi"`."""
+    name, on = situation.token(-1), situation.token(-2)
+    word = re.compile(r"[A-Za-z_][A-Za-z0-9_.+-]*").match(situation.text, name.start)
+    if on.text != "on" or name.kind != "NAME" or situation.symbols()[-1:] != ["NAME"]:
+        return None
+    if word is None or word.end() <= name.end or situation.token().start != name.end:
+        return None
+    meant = f'"{word[0]}"'
+    told = _told("the board's name has to stand in quotes", name.start, word.end(), meant)
+    return Repair(("STRING",), pops=1, replace=_count_until(situation, word.end()), text=meant, told=told)
 
 
 def _semicolon(situation: Situation) -> Repair | None:
@@ -107,9 +174,7 @@ def _bare_string(situation: Situation) -> Repair | None:
         return None
     word = re.compile(r"[^\s{}\"=,]+").match(situation.text, token.start)
     end = word.end() if word else token.end
-    count = 1
-    while situation.token(count).kind != END and situation.token(count).end <= end:
-        count += 1
+    count = _count_until(situation, end)
     meant = f'"{situation.text[token.start:end]}"'
     told = _told("expected a text in quotes", token.start, end, meant)
     return Repair(("STRING",), replace=count, text=meant, told=told)
@@ -141,3 +206,10 @@ def _with_unit(situation: Situation) -> Repair | None:
     meant = number[0] if number else "1"
     told = _told("expected a number without a unit", token.start, token.end, meant)
     return Repair(("NUMBER",), replace=1, text=meant, told=told)
+
+
+FINDERS = (
+    _semicolon, _comment, _condition, _operator, _direction, _runs_in, _apart, _type_first, _bare_board, _bare_string,
+    _no_unit, _with_unit,
+)  # fmt: skip
+"""The slips, in the order they are looked for."""

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from mauve.diagnostics.diagnostic import Diagnostic, Label, Report
+from mauve.diagnostics.diagnostic import Diagnostic, Fix, Label, Report, Severity
 from mauve.lower.codels import CodelPlan, derivable, has_fallback
 from mauve.lower.platform import flow_facts, wcet_board
 from mauve.model.model import Binary, CodelId, Deployment, Interrupt
@@ -39,6 +39,7 @@ def derive(
     found: dict[CodelId, tuple[WcetResult, Binary]] = {}
     handlers: dict[str, int] = {}
     complete = True
+    _report_ideal_memory(deployment, report)
     for node, binary in derivable(deployment):
         wanted = [plan for plan in plans if node.name in plan.nodes and _belongs(plan, binary, found)]
         if (missing := _missing(binary)) is not None:
@@ -67,6 +68,16 @@ def derive(
     _report_problems(deployment, plans, found, report)
     kept = {plan.id: found[plan.id] for plan in plans if plan.id in found and not _silent(plan, found, deployment)}
     return Derivation(kept, handlers, complete)
+
+
+def _report_ideal_memory(deployment: Deployment, report: Report) -> None:
+    """MV519 for each board without a memory that programs are timed on: every access then takes one cycle."""
+    boards = {node.board.name: node for node in deployment.nodes if node.binaries and not node.board.memories}
+    for name, node in boards.items():
+        message = f"the board `{name}` lists no memory, so no access waits: times are those of an ideal memory"
+        help_ = Fix("describe it: `memory NAME at ADDRESS size SIZE wait WAIT`, `wait 0cycles` where it has none")
+        labels = (Label(node.span, f"`{deployment.name}` times a binary on it"),)
+        report.add(Diagnostic("MV519", message, Label(node.board.span), Severity.NOTE, labels, help=help_))
 
 
 def _missing(binary: Binary) -> str | None:

@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
-from mauve.diagnostics.diagnostic import Report
+from mauve.diagnostics.diagnostic import Diagnostic, Report
 from mauve.lower.codels import CodelTime
 from mauve.lower.machines import Machine
 from mauve.lower.placed import NodeTasks, PlacedTask
@@ -45,9 +45,9 @@ def executed(placed: PlacedTask, analysis: Analysis) -> Task:
 @record
 class DeploymentResult:
     """One deployment. `complete` says that every codel has a time and every task a place; `holds` that it is complete
-    and every deadline and flow is proven. Where it is not complete, the responses leave the missing work out: they are
-    not bounds yet, and can only grow. `modes` has the missions whose activities it runs: then the deadlines of each
-    mode and of each switch decide, not those of all tasks together.
+    and every deadline, flow and queue is proven. Where it is not complete, the responses leave the missing work out:
+    they are not bounds yet, and can only grow. `modes` has the missions whose activities it runs: then the deadlines of
+    each mode and of each switch decide, not those of all tasks together. `overflows` are queues that may overflow;
     `sensitivity` and `proposals` are there, one per node, where somebody asked."""
 
     deployment: Deployment
@@ -58,6 +58,7 @@ class DeploymentResult:
     holds: bool
     flows: tuple[FlowResult, ...] = ()
     modes: tuple[ModesResult, ...] = ()
+    overflows: tuple[Diagnostic, ...] = ()
     sensitivity: tuple[NodeSensitivity, ...] = ()
     proposals: tuple[Proposal, ...] = ()
 
