@@ -59,8 +59,8 @@ def _passages(
 ) -> Iterator[Passage]:
     instance = instances[step.instance]
     seats = list(_seats(instance, nodes))
-    reading = _touching(instance, step.enters) if step.enters else None
-    writing = _touching(instance, step.leaves) if step.leaves else None
+    reading = touching(instance, step.enters) if step.enters else None
+    writing = touching(instance, step.leaves) if step.leaves else None
     comes_in = [seat for seat in seats if not reading or seat.region in reading]
     goes_out = [seat for seat in seats if not writing or seat.region in writing]
     both = [seat for seat in comes_in if seat in goes_out]
@@ -111,7 +111,7 @@ def _passage(seats: Sequence[_Seat], instance: Instance, woken: bool, several: b
     )
 
 
-def _touching(instance: Instance, name: str) -> set[RegionId]:
+def touching(instance: Instance, name: str) -> set[RegionId]:
     """The regions that read or write a port, call a method, or serve an operation."""
     return {id_ for id_, region in region_ids(instance) if _touches(region, instance, name)}
 

@@ -11,6 +11,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 from mauve.diagnostics.diagnostic import Diagnostic, Fix, Label, Severity
+from mauve.lower.flows import touching
 from mauve.lower.placed import NodeTasks, PlacedTask
 from mauve.model.model import DataConnection, Deployment, Instance
 from mauve.model.periods import instance_period, reading_period
@@ -48,20 +49,29 @@ def _check(
     deployment: Deployment,
 ) -> Diagnostic | None:
     writer, reader = instances[connection.source.instance], instances[connection.target.instance]
-    writers = [one for one in tasks if writer in one.instances]
-    readers = [one for one in tasks if reader in one.instances]
     period = instance_period(writer)
+    regions = touching(writer, connection.source.name)
+    writers = [
+        (one, part.period or period)
+        for one in tasks
+        for part in one.machines
+        if part.region in regions and (part.period or period) is not None
+    ]
+    readers = [one for one in tasks if reader in one.instances]
     if period is None or not writers or not readers or connection.size is None:
         return None
-    arrivals = sum(_arrivals(connection, reader, readers, period, responses[one.task.name]) for one in writers)
+    arrivals = sum(
+        _arrivals(connection, reader, readers, every or period, responses[one.task.name]) for one, every in writers
+    )
     if arrivals <= connection.size:
         return None
     message = f"the queue of `{connection.target}` holds {connection.size} elements, {arrivals} may arrive"
     message += f" (deployment `{deployment.name}`)"
     severity = Severity.ERROR if deployment.expect_unschedulable is None else Severity.NOTE
-    latest = max(writers, key=lambda one: responses[one.task.name])
+    latest, every = max(writers, key=lambda one: responses[one[0].task.name])
     notes = (
-        f"`{writer.name}` writes every {format_time(period)}, by {format_time(responses[latest.task.name])} after its "
+        f"`{writer.name}` writes every {format_time(every or period)}, by "
+        f"{format_time(responses[latest.task.name])} after its "
         f"arrival; task `{readers[0].task.name}` empties it, released up to {format_time(_late(reader, readers))} late",
     )
     help_ = Fix(f"make it `size {arrivals}`, or write what happens: `drop oldest` or `drop newest`")

@@ -91,7 +91,8 @@ def _condition(situation: Situation) -> Repair | None:
             (),
             Applicability.PLACEHOLDERS,
         )
-        return Diagnostic("MV001", "a guard combines bool codels, it has no expressions", Label(span), help=help_)
+        message = f"there is no `{token.text}` in a guard: it combines bool codels"
+        return Diagnostic("MV001", message, Label(span), help=help_)
 
     return Repair(replace=2 if more else 1, told=tell)
 
