@@ -8,7 +8,7 @@ gcc and clang in A32, T16 and T32, veneers, calls through literals and computed 
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 from mauve.wcet.binary.elf import Binary, Content
@@ -99,6 +99,8 @@ class _Path:
         self.flags: Flags | None = None
         self.flags_version = 0
         self.holding: set[tuple[int, Condition]] = set()
+        self.place = code.instructions[steps[0][0]].end if steps[0][0] in code.instructions else 0
+        """the address behind the instruction that the path leads to"""
         for address, kind in reversed(steps[1:]):
             self._pass(code.instructions[address], kind)
 
@@ -386,6 +388,8 @@ def _values(code: Code, path: _Path, term: int, start: int) -> set[int] | None:
                 candidates.append((count, -number, ranges))
     for _, negative, ranges in sorted(candidates):
         values: set[int] = set()
+        if terms.table[-negative][0] == "load" and (table := _inline_table(path, term, below, fixed)):
+            return table  # of an entry of a table only its width is known
         for value in (v for low, high in ranges for v in range(low, high + 1)):
             result = _run(terms, below, {**fixed, -negative: value}, binary)
             if result is None:
@@ -393,6 +397,43 @@ def _values(code: Code, path: _Path, term: int, start: int) -> set[int] | None:
             values.add(result)
         else:
             return values
+    return _inline_table(path, term, below, fixed)
+
+
+def _inline_table(path: _Path, term: int, below: Sequence[int], fixed: dict[int, int]) -> set[int] | None:
+    """The targets in a table that follows the jump, for an index whose range the code does not check (compilers leave
+    the check out where they know the index): the table ends before the nearest code that it leads to, at the latest.
+
+    Looks for a term such that its values 0, 1, 2, ... read entries one behind the other. Entries that would lead into
+    the table itself are padding.
+    """
+    terms, binary, place = path.terms, path.code.binary, path.place
+    loads = [number for number in below if terms.table[number][0] == "load"]
+    for number in below:
+        if len(loads) != 1 or terms.value(number) is not None or number in fixed or number in (term, loads[0]):
+            continue
+        (load,) = loads
+        size, where = terms.table[load][2], terms.table[load][1]
+        start = _run(terms, terms.below(where), {**fixed, number: 0}, binary)
+        if start is None or not 0 <= start - place < 4 + size:
+            continue
+        targets: set[int] = set()
+        content = binary.content_at(start)
+        nearest: int | None = None
+        for index in range(TABLE_LIMIT):
+            given = {**fixed, number: index}
+            at = _run(terms, terms.below(where), given, binary)
+            target = _run(terms, below, given, binary)
+            if at is None or at != start + size * index or target is None:
+                break
+            if nearest is not None and at + size > nearest:
+                break
+            if binary.content_at(at) is not content or any(a in path.code.instructions for a in range(at, at + size)):
+                break
+            targets.add(target)
+            nearest = min((t & ~1 for t in targets if t & ~1 > at), default=nearest)
+        if nearest is not None and targets:
+            return {t for t in targets if not start <= t & ~1 < nearest}
     return None
 
 

@@ -226,8 +226,8 @@ def clip(x: Range, low: int, high: int) -> Range | None:
         return progression(x.low + first, step, (last - first) // step)
     (first, _), (_, last) = parts
     around = last + MODULUS - first
-    if around < span:
-        step = gcd(step, MODULUS)
+    step = gcd(step, MODULUS)
+    if around < span and around // step <= x.n:
         return progression(x.low + first, step, around // step)
     return x
 

@@ -89,6 +89,7 @@ class Functions:
     """See the module's description. `curtailed` says that time ended an analysis: nothing here should be used again."""
 
     def __init__(self, binary: Binary, image: Image, control: Control, given: Given, limits: Limits) -> None:
+        self.binary = binary
         self.graphs = callgraph.Graphs(binary, control)
         self.image, self.given, self.limits = image, given, limits
         self.symbols = Symbols()
@@ -107,17 +108,30 @@ class Functions:
         """Analyse everything that `entry` reaches and that is not known yet; the functions, callees first. Of a callee
         on the same cycle of calls that comes later, nothing but AAPCS is known."""
         self.limits = replace(self.limits, deadline=deadline)
-        graphs = self.graphs.program(entry)
-        for key, cfg in graphs.items():
-            if key not in self.cfgs:
-                self.cfgs[key] = split_irreducible(cfg)
-        order = callgraph.order({key: self.cfgs[key] for key in graphs})
+        order = callgraph.order(self.graphs_from(entry))
         self.cyclic |= {key for cycle in order.cycles for key in cycle.members}
         for key in order.functions:
             if key not in self.summaries:
                 found = self.quick[key] = self._analyse((key, ()), State(self.symbols), 0, _Family(), False)
                 self.summaries[key] = found.summary
         return order
+
+    def graphs_from(self, entry: int) -> dict[int, Cfg]:
+        """The graphs of everything that `entry` reaches, by key, irreducible regions split."""
+        graphs = self.graphs.program(entry)
+        for key, cfg in graphs.items():
+            if key not in self.cfgs:
+                self.cfgs[key] = split_irreducible(cfg)
+        return {key: self.cfgs[key] for key in graphs}
+
+    def bound_anyhow(self, key: int, loop: int) -> int | None:
+        """Executions of a loop's header per entry, whatever the function is called with."""
+        known = _library(self.cfgs[key], self.nest(key)).get(loop)
+        if known is None:
+            self.settle(key, self.limits.deadline)
+            default = self.default(key)
+            known = None if default is None else default.flow.bounds.get(loop)
+        return None if known is None else known.bound
 
     def default(self, key: int) -> Analysed | None:
         """The function in the context that covers every call, with all effort."""
@@ -143,7 +157,7 @@ class Functions:
         thorough: bool,
         attempt: Attempt | None = None,
     ) -> Analysed:
-        cfg, nest = self.cfgs[name[0]], self._nest(name[0])
+        cfg, nest = self.cfgs[name[0]], self.nest(name[0])
         bare = self._bare(name, cfg, nest)
         if nest.irreducible or not cfg.blocks:
             return bare
@@ -155,7 +169,8 @@ class Functions:
             problem = Problem(ProblemKind.LIMIT, message, cfg.address, cfg.name)
             return replace(bare, flow=replace(bare.flow, problems=(problem,)))
 
-    def _nest(self, key: int) -> LoopNest:
+    def nest(self, key: int) -> LoopNest:
+        """The loops of a function."""
         if key not in self.nests:
             self.nests[key] = loop_nest(self.cfgs[key])
         return self.nests[key]

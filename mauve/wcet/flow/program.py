@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from time import monotonic
+from typing import TYPE_CHECKING
 
 from mauve.wcet.binary.callgraph import Order
 from mauve.wcet.binary.elf import Binary
@@ -26,6 +27,9 @@ from mauve.wcet.flow.recursion import unroll
 from mauve.wcet.flow.result import ContextKey, FunctionFlow, ProgramFlow
 from mauve.wcet.flow.state import ABSOLUTE, Cells, State
 from mauve.wcet.hardware.board import Board
+
+if TYPE_CHECKING:
+    from mauve.wcet.flow.run.program import Ran
 
 ASSUMPTIONS = (
     "functions keep the procedure call standard (AAPCS): r4-r11 and sp are preserved by calls",
@@ -108,6 +112,10 @@ class Programs:
         problems in the result; no input makes this raise.
         """
         deadline = self._limits.deadline if timeout is None else monotonic() + timeout
+        if self._initial_data:
+            ran = self._run(entry_key, deadline)
+            if ran is not None:
+                return ran
         found: Targets = {}
         for last in (*(False for _ in range(ROUNDS)), True):
             # Targets that still change when the rounds are over are not known.
@@ -122,6 +130,22 @@ class Programs:
         if any(functions.curtailed for functions in self._shared.values()):
             self._shared.clear()
         return flow
+
+    def _run(self, entry: int, deadline: float | None) -> ProgramFlow | None:
+        """The program executed from its linked data; None where that could not go on to its end."""
+        from mauve.wcet.flow.run.program import Source, run_program
+
+        found: dict[int, frozenset[int]] = {}
+        for _ in range(RUNS):
+            functions = self._functions({address: tuple(sorted(targets)) for address, targets in found.items()})
+            ran = run_program(Source(functions, entry), entry, deadline)
+            if ran.flows is not None:
+                return _with_facts(ran, functions, self._given)
+            grown = {at: found.get(at, frozenset()) | more for at, more in ran.targets.items()}
+            if all(found.get(at) == targets for at, targets in grown.items()):
+                return None
+            found |= grown
+        return None
 
     def _functions(self, targets: Targets) -> Functions:
         """The functions with the targets that were found so far; what many entries have left is dropped in time."""
@@ -259,6 +283,28 @@ class _Program:
             function.flow = replace(function.flow, calls=calls)
         return function.flow
 
+
+def _with_facts(ran: Ran, functions: Functions, given: Given) -> ProgramFlow:
+    """The contexts of a run with what flow facts state of their loops."""
+    assert ran.flows is not None
+    flows: dict[ContextKey, FunctionFlow] = {}
+    problems: dict[Problem, None] = {}
+    notes: dict[Problem, None] = {}
+    matched: set[int] = set()
+    for key, flow in ran.flows.items():
+        stated = given.bounds(flow.cfg, flow.nest)
+        matched |= stated.matched
+        problems |= dict.fromkeys(stated.problems)
+        notes |= dict.fromkeys(given.compare(flow.cfg, flow.nest, {k: b.bound for k, b in flow.bounds.items()}))
+        bounds = {k: min(b, stated.bounds.get(k, b), key=lambda bound: bound.bound) for k, b in flow.bounds.items()}
+        flows[key] = replace(flow, bounds=bounds) if stated.bounds else flow
+    assumptions = (*ASSUMPTIONS, RAN)
+    return ProgramFlow(ran.entry, flows, tuple(problems), (*notes, *given.unused(matched)), assumptions)
+
+
+RAN = "the program starts with the data it is linked with, and runs once"
+RUNS = 16
+"""How often a run starts again with the targets of pointers that it came to."""
 
 MOST_INITIAL = 1 << 16
 """Bytes of a zero-filled segment that are followed as initial data."""

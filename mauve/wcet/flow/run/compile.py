@@ -1,0 +1,490 @@
+"""Blocks of a control flow graph as Python functions.
+
+A block becomes a function of the machine's registers (a list: r0-r14 in 0..14, then N, Z, C, V in 16..19) and returns
+the index of the edge on which control leaves, or DYNAMIC with the place it goes to in slot TARGET. What a conditional
+branch does before it leaves (a conditional load of pc, say) is a function of its own, for when it is undecided whether
+the branch is taken.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any
+
+from mauve.wcet.binary.graph import Cfg, EdgeKind
+from mauve.wcet.binary.microop import (
+    CompareBranch,
+    Compute,
+    Condition,
+    FlagKind,
+    Imm,
+    IndirectCall,
+    IndirectJump,
+    Instruction,
+    Load,
+    MicroOp,
+    Op,
+    Operand,
+    SetCarry,
+    SetFlags,
+    Store,
+    StoreUnknown,
+    SupervisorCall,
+    TableJump,
+)
+from mauve.wcet.binary.microop import Shift as ShiftKind
+from mauve.wcet.flow.order import Order
+from mauve.wcet.flow.run import operations, words
+from mauve.wcet.flow.run.memory import Lost, Memory
+
+SLOTS = 24
+N, Z, C, V, TARGET, DEPTH = 16, 17, 18, 19, 20, 21
+"""Slots behind the core registers; DEPTH holds the least offset of sp that was seen in the current function."""
+DYNAMIC, NOWHERE = -1, -2
+
+Run = Callable[[list[Any]], int]
+
+_NZ, _CV = 1, 2
+_READS = {0: _NZ, 1: _NZ, 2: _CV, 3: _CV, 4: _NZ, 5: _NZ, 6: _CV, 7: _CV, 14: 0}
+_M, _H = "4294967295", "2147483648"
+_SIMPLE = {
+    Op.MOV: "{a}",
+    Op.NOT: f"{{a}} ^ {_M}",
+    Op.ADD: f"({{a}} + {{b}}) & {_M}",
+    Op.SUB: f"({{a}} - {{b}}) & {_M}",
+    Op.ADC: f"({{a}} + {{b}} + r[18]) & {_M}",
+    Op.SBC: f"({{a}} - {{b}} - 1 + r[18]) & {_M}",
+    Op.AND: "{a} & {b}",
+    Op.OR: "{a} | {b}",
+    Op.XOR: "{a} ^ {b}",
+    Op.MUL: f"({{a}} * {{b}}) & {_M}",
+    Op.UMULH: "({a} * {b}) >> 32",
+    Op.SMULH: f"((({{a}} ^ {_H}) - {_H}) * (({{b}} ^ {_H}) - {_H}) >> 32) & {_M}",
+    Op.SXTB: f"(({{a}} & 255 ^ 128) - 128) & {_M}",
+    Op.SXTH: f"(({{a}} & 65535 ^ 32768) - 32768) & {_M}",
+    Op.UXTB: "{a} & 255",
+    Op.UXTH: "{a} & 65535",
+    Op.RRX: "rotate_through_carry({a}, r[18])",
+    Op.UDIV: "divide({a}, {b})",
+    Op.CLZ: "leading_zeros({a})",
+    Op.ROR: "rotate({a}, {b})",
+    Op.UNKNOWN: "UNKNOWN",
+}
+_BY_REGISTER = {Op.SHL: "shift_left", Op.LSR: "shift_right", Op.ASR: "shift_right_signed"}
+
+
+@dataclass(slots=True)
+class Compiled:
+    """The blocks of one function; `last` does what the last instruction of a block does when its condition holds."""
+
+    blocks: list[Run]
+    last: list[Run | None]
+
+
+@dataclass(slots=True)
+class Sites:
+    """Accesses by number: the site of each micro-operation that loads or stores."""
+
+    memory: Memory
+    numbers: dict[tuple[int, int], int] = field(default_factory=dict)
+
+    def of(self, instruction: Instruction, index: int) -> int:
+        """The number of an access."""
+        key = (instruction.address, index)
+        if key not in self.numbers:
+            self.numbers[key] = self.memory.site()
+        return self.numbers[key]
+
+
+def compile_function(order: Order, sites: Sites) -> Compiled:
+    """All blocks of a function."""
+    live = _live_flags(order.cfg)
+    names: dict[str, Any] = {
+        "UNKNOWN": words.UNKNOWN,
+        "Undecided": words.Undecided,
+        "merge": words.merge,
+        "Stack": words.Stack,
+        "Lost": Lost,
+        "ShiftKind": ShiftKind,
+        "Op": Op,
+        **{name: getattr(operations, name) for name in dir(operations) if not name.startswith("_")},
+    }
+    memory = sites.memory
+    names |= {name: getattr(memory, name) for name in ("load", "load_byte", "load_half")}
+    names |= {name: getattr(memory, name) for name in ("store", "store_byte", "store_half")}
+    blocks: list[Run] = []
+    last: list[Run | None] = []
+    text: list[str] = []
+    for block in order.cfg.blocks:
+        writer = _Block(order, block.id, sites, live[block.id])
+        text += writer.whole()
+        text += writer.taken()
+    exec(compile("\n".join(text), f"<blocks of {order.cfg.name}>", "exec"), names)
+    for block in order.cfg.blocks:
+        blocks.append(names[f"b{block.id}"])
+        last.append(names.get(f"t{block.id}"))
+    return Compiled(blocks, last)
+
+
+# ------------------------------------------------------------------------------------------------------ liveness
+def _live_flags(cfg: Cfg) -> list[int]:
+    """Per block which of the flags (N and Z, C and V) may be read behind it. A call or return may lead to a reader."""
+    following: dict[int, list[int]] = {}
+    live = [0] * len(cfg.blocks)
+    for edge in cfg.edges:
+        if edge.kind in (EdgeKind.CALL, EdgeKind.RETURN, EdgeKind.TAIL_CALL):
+            live[edge.source] = _NZ | _CV
+        elif edge.target >= 0:
+            following.setdefault(edge.source, []).append(edge.target)
+    changed = True
+    entering = [_before(block.instructions, 0) for block in cfg.blocks]
+    while changed:
+        changed = False
+        for block in reversed(cfg.blocks):
+            out = live[block.id]
+            for target in following.get(block.id, ()):
+                out |= entering[target]
+            before = _before(block.instructions, out)
+            if out != live[block.id] or before != entering[block.id]:
+                live[block.id], entering[block.id], changed = out, before, True
+    return live
+
+
+def _before(instructions: tuple[Instruction, ...], live: int) -> int:
+    for instruction in reversed(instructions):
+        live = _instruction_before(instruction, live)
+    return live
+
+
+def _instruction_before(instruction: Instruction, live: int) -> int:
+    always = instruction.condition is Condition.AL
+    for op in reversed(instruction.ops):
+        live = _op_before(op, live, always)
+    return live | _READS.get(instruction.condition.value, _NZ | _CV)
+
+
+def _op_before(op: MicroOp, live: int, always: bool) -> int:
+    match op:
+        case SetFlags(kind):
+            if always:
+                live &= ~_NZ if kind in (FlagKind.LOGIC, FlagKind.WIDE) else 0
+            return live | (_CV if kind in (FlagKind.ADC, FlagKind.SBC) else 0)
+        case SetCarry():
+            return live | _CV if live & _CV else live
+        case Compute(op=Op.ADC | Op.SBC | Op.RRX):
+            return live | _CV
+    return live
+
+
+# ------------------------------------------------------------------------------------------------------ one block
+class _Block:
+    """Writes the text of one block. `flags` tells where the flags are that were set last: (SUB, a, b) or (ADD, a, b)
+    with the names of the operands, (LOGIC, a) with C and V in their slots, None when all are in their slots."""
+
+    def __init__(self, order: Order, block: int, sites: Sites, live: int) -> None:
+        self.order, self.block, self.sites, self.live = order, block, sites, live
+        self.instructions = order.cfg.blocks[block].instructions
+        self.lines: list[str] = []
+        self.flags: tuple[str, ...] | None = None
+        self.names = 0
+        self.depth = 1
+        self.written: set[int] = set()
+        self.read: set[int] = set()
+
+    def emit(self, text: str) -> None:
+        """One line."""
+        self.lines.append("    " * self.depth + text)
+
+    # ------------------------------------------------------------------------------------------------ frames
+    def whole(self) -> list[str]:
+        """The function of the block."""
+        after = self._liveness()
+        last = self.instructions[-1]
+        for position, instruction in enumerate(self.instructions[:-1]):
+            self._instruction(instruction, after[position])
+        split = last.condition is not Condition.AL and self._branches()
+        if not split:
+            self._instruction(last, after[-1])
+        condition = self._condition(last.condition) if split else ""
+        body = self.lines
+        self.lines = []
+        self._write_back()
+        if split:
+            self._conditional(last, condition)
+        else:
+            self._leave(last)
+        tail, self.lines = self.lines, []
+        registers = sorted(self.read | self.written)
+        head = [f"def b{self.block}(r):"]
+        if registers:
+            head.append("    " + "; ".join(f"r{n} = r[{n}]" for n in registers))
+        return head + body + tail
+
+    def taken(self) -> list[str]:
+        """The function of the last instruction alone, when that is a conditional branch that does something first."""
+        last = self.instructions[-1]
+        if last.condition is Condition.AL or not self._branches():
+            return []
+        self.lines, self.flags, self.read, self.written = [], None, set(), set()
+        self._operations(last, self.live)
+        body, self.lines = self.lines, []
+        self._write_back()
+        self._ways(last)
+        tail, self.lines = self.lines, []
+        registers = sorted(self.read | self.written)
+        return [f"def t{self.block}(r):", *(f"    r{n} = r[{n}]" for n in registers), *body, *tail]
+
+    def _branches(self) -> bool:
+        return bool(self.order.taken[self.block])
+
+    def _liveness(self) -> list[int]:
+        """The flags that are read behind each instruction."""
+        after, live = [], self.live
+        for instruction in reversed(self.instructions):
+            after.append(live)
+            live = _instruction_before(instruction, live)
+        return after[::-1]
+
+    def _write_back(self) -> None:
+        if self.live:
+            self._settle()
+        for register in sorted(self.written):
+            self.emit(f"r[{register}] = r{register}")
+        if 13 in self.written:
+            self.emit("if type(r13) is Stack and r13.offset < r[21]: r[21] = r13.offset")
+
+    def _conditional(self, last: Instruction, condition: str) -> None:
+        """The end of a block that may fall through."""
+        fall = self.order.fall[self.block]
+        static = not last.ops and not isinstance(last.flow, IndirectJump | IndirectCall | TableJump)
+        if static and len(self.order.taken[self.block]) == 1 and len(fall) == 1:
+            self.emit(f"return {self.order.taken[self.block][0]} if {condition} else {fall[0]}")
+            return
+        self.emit(f"if {condition}: return t{self.block}(r)")
+        self.emit(f"return {fall[0] if fall else NOWHERE}")
+
+    def _leave(self, last: Instruction) -> None:
+        """The end of a block whose last instruction always acts."""
+        if isinstance(last.flow, CompareBranch):
+            taken, fall = self.order.taken[self.block], self.order.fall[self.block]
+            test = "!=" if last.flow.nonzero else "=="
+            taken, fall = taken or (NOWHERE,), fall or (NOWHERE,)
+            self.emit(f"return {taken[0]} if r[{last.flow.register}] {test} 0 else {fall[0]}")
+            return
+        self._ways(last)
+
+    def _ways(self, last: Instruction) -> None:
+        if isinstance(last.flow, SupervisorCall):
+            self.emit("raise Lost('a supervisor call')")
+            return
+        ways = self.order.taken[self.block] or self.order.fall[self.block]
+        match last.flow:
+            case IndirectJump(target) | IndirectCall(target):
+                where = str(target.value) if isinstance(target, Imm) else self._slot(target)
+                self.emit(f"r[20] = {where}")
+                self.emit("return -1")
+            case TableJump(table, index, size, pc):
+                base = table.value if isinstance(table, Imm) else f"r[{table}]"
+                at = index.value if isinstance(index, Imm) else f"r[{index}]"
+                load = "load_byte" if size == 1 else "load_half"
+                site = self.sites.of(last, -1)
+                self.emit(f"r[20] = ({pc} + 2 * {load}(({base} + {size} * {at}) & {_M}, {site})) & {_M}")
+                self.emit("return -1")
+            case _ if len(ways) == 1:
+                self.emit(f"return {ways[0]}")
+            case _:
+                self.emit("r[20] = None")
+                self.emit("return -1")
+
+    def _slot(self, register: int) -> str:
+        return f"r[{register}]" if register < 16 else f"r{register}"
+
+    # ------------------------------------------------------------------------------------------------ instructions
+    def _instruction(self, instruction: Instruction, live: int) -> None:
+        if isinstance(instruction.flow, SupervisorCall):
+            self.emit("raise Lost('a supervisor call')")
+        if instruction.condition is Condition.AL:
+            self._operations(instruction, live)
+            return
+        sets = any(isinstance(op, SetFlags | SetCarry) for op in instruction.ops)
+        condition = self._condition(instruction.condition)
+        if sets:
+            self._settle()
+        targets = {op.dst for op in instruction.ops if isinstance(op, Compute | Load) and op.dst < 16}
+        self.read |= targets
+        self.emit(f"try: go = bool({condition})")
+        self.emit("except Undecided: go = None")
+        before, flags = self.written.copy(), self.flags
+        self.emit("if go:")
+        self.depth += 1
+        self.emit("pass")
+        self._operations(instruction, live)
+        if sets:
+            self._settle()
+        self.depth -= 1
+        self.flags = flags
+        self.emit("elif go is None:")
+        self.depth += 1
+        self.emit("old = r[16:20]")
+        for register in sorted(targets):
+            self.emit(f"o{register} = r{register}")
+        self._operations(instruction, live, maybe=True)
+        if sets:
+            self._settle()
+            self.emit("r[16:20] = [merge(a, b) for a, b in zip(old, r[16:20])]")
+        for register in sorted(targets):
+            self.emit(f"r{register} = merge(o{register}, r{register})")
+        self.depth -= 1
+        self.flags = None if sets else flags
+        self.written |= before
+
+    def _operations(self, instruction: Instruction, live: int, maybe: bool = False) -> None:
+        after, now = [], live
+        for op in reversed(instruction.ops):
+            after.append(now)
+            now = _op_before(op, now, True)
+        for index, (op, needed) in enumerate(zip(instruction.ops, reversed(after), strict=True)):
+            self._operation(instruction, index, op, needed, maybe)
+
+    def _operation(self, instruction: Instruction, index: int, op: MicroOp, needed: int, maybe: bool) -> None:
+        match op:
+            case Compute():
+                if op.op in (Op.ADC, Op.SBC, Op.RRX):
+                    self._settle_carry()
+                self.emit(f"{self._target(op.dst)} = {self._expression(op)}")
+            case Load(_, address, size, is_signed):
+                name = {1: "load_byte", 2: "load_half", 4: "load"}[size]
+                text = f"{name}({self._use(address)}, {self.sites.of(instruction, index)})"
+                if is_signed and size < 4:
+                    top = 1 << 8 * size - 1
+                    text = f"(({text} ^ {top}) - {top}) & {_M}"
+                self.emit(f"{self._target(op.dst)} = {text}")
+            case Store(address, value, size):
+                self._store(instruction, index, self._use(address), self._use(value), size, maybe)
+            case StoreUnknown(address, size):
+                for offset in range(0, size, 4):
+                    at = f"({self._use(address)} + {offset}) & {_M}"
+                    self._store(instruction, index, at, "UNKNOWN", min(4, size - offset), maybe)
+            case SetFlags(kind, a, b):
+                self._set_flags(kind, a, b, needed)
+            case SetCarry(shift, value, amount):
+                if needed & _CV:
+                    if self.flags is not None and self.flags[0] != "LOGIC":
+                        self._settle()
+                    terms = f"ShiftKind.{shift.name}, {self._use(value)}, {self._use(amount)}"
+                    self.emit(f"r[18] = carry_out({terms}, r[18])")
+
+    def _store(self, instruction: Instruction, index: int, at: str, value: str, size: int, maybe: bool) -> None:
+        suffix = {1: "_byte", 2: "_half", 4: ""}[size]
+        site = self.sites.of(instruction, index)
+        if maybe:
+            self.emit(f"at = {at}")
+            at, value = "at", f"merge({value}, load{suffix}(at, {site}))"
+        self.emit(f"store{suffix}({at}, {value}, {site})")
+
+    def _use(self, operand: Operand) -> str:
+        if isinstance(operand, Imm):
+            return str(operand.value)
+        if operand < 16 and operand not in self.written:
+            self.read.add(operand)
+        return f"r{operand}"
+
+    def _target(self, register: int) -> str:
+        if register < 16:
+            self.written.add(register)
+        return f"r{register}"
+
+    def _expression(self, op: Compute) -> str:
+        a, b = self._use(op.a), self._use(op.b)
+        if op.op in _SIMPLE:
+            return _SIMPLE[op.op].format(a=a, b=b)
+        if op.op in _BY_REGISTER:
+            if not isinstance(op.b, Imm):
+                return f"{_BY_REGISTER[op.op]}({a}, {b})"
+            amount = op.b.value & 0xFF
+            if op.op is Op.SHL:
+                return f"({a} << {amount}) & {_M}" if amount < 32 else "0"
+            if op.op is Op.LSR:
+                return f"{a} >> {amount}"
+            return f"(({a} ^ {_H}) - {_H} >> {amount}) & {_M}"
+        return f"binary(Op.{op.op.name}, {a}, {b})"
+
+    # ------------------------------------------------------------------------------------------------ flags
+    def _set_flags(self, kind: FlagKind, a: Operand, b: Operand, needed: int) -> None:
+        first, second = self._use(a), self._use(b)
+        match kind:
+            case FlagKind.SUB | FlagKind.ADD:
+                self.names += 1
+                self.emit(f"x{self.names} = {first}; y{self.names} = {second}")
+                self.flags = (kind.name, f"x{self.names}", f"y{self.names}")
+            case FlagKind.LOGIC:
+                if self.flags is not None and self.flags[0] != "LOGIC" and needed & _CV:
+                    self._settle()
+                self.names += 1
+                self.emit(f"x{self.names} = {first}")
+                self.flags = ("LOGIC", f"x{self.names}")
+            case FlagKind.WIDE:
+                self._settle()
+                self.emit(f"r[16:18] = sign_and_zero_wide({first}, {second})")
+                self.flags = None
+            case FlagKind.ADC | FlagKind.SBC:
+                self._settle_carry()
+                name = "flags_of_sum" if kind is FlagKind.ADC else "flags_with_borrow"
+                self.emit(f"r[16:20] = {name}({first}, {second}, r[18])")
+                self.flags = None
+            case _:
+                self.emit("r[16:20] = (UNKNOWN,) * 4")
+                self.flags = None
+
+    def _settle_carry(self) -> None:
+        if self.flags is not None and self.flags[0] != "LOGIC":
+            self._settle()
+
+    def _settle(self) -> None:
+        """Put all flags into their slots."""
+        match self.flags:
+            case ("SUB", a, b):
+                self.emit(f"r[16:20] = flags_of_difference({a}, {b})")
+            case ("ADD", a, b):
+                self.emit(f"r[16:20] = flags_of_sum({a}, {b})")
+            case ("LOGIC", a):
+                self.emit(f"r[16:18] = sign_and_zero({a})")
+        self.flags = None
+
+    def _condition(self, condition: Condition) -> str:
+        """An expression that is true when the condition holds; evaluating it may raise Undecided."""
+        if condition is Condition.AL:
+            return "True"
+        code, negated = condition.value & ~1, condition.value & 1
+        text = self._from_operands(code)
+        if text is None:
+            self._settle()
+            text = f"holds({code}, r[16], r[17], r[18], r[19])"
+        return f"not ({text})" if negated else text
+
+    def _from_operands(self, code: int) -> str | None:
+        match self.flags, code:
+            case ("SUB", a, b), 0:
+                return f"{a} == {b}"
+            case ("SUB", a, b), 2:
+                return f"{a} >= {b}"
+            case ("SUB", a, b), 4:
+                return f"({a} - {b}) & {_H}"
+            case ("SUB", a, b), 8:
+                return f"{a} > {b}"
+            case ("SUB", a, b), 10:
+                return f"({a} ^ {_H}) >= ({b} ^ {_H})"
+            case ("SUB", a, b), 12:
+                return f"({a} ^ {_H}) > ({b} ^ {_H})"
+            case ("ADD", a, b), 0:
+                return f"({a} + {b}) & {_M} == 0"
+            case ("ADD", a, b), 2:
+                return f"{a} + {b} > {_M}"
+            case ("ADD", a, b), 4:
+                return f"({a} + {b}) & {_H}"
+            case ("LOGIC", a), 0:
+                return f"{a} == 0"
+            case ("LOGIC", a), 4:
+                return f"{a} & {_H}"
+        return None
