@@ -27,6 +27,7 @@ from mauve.wcet.flow.recursion import unroll
 from mauve.wcet.flow.result import ContextKey, FunctionFlow, ProgramFlow
 from mauve.wcet.flow.state import ABSOLUTE, Cells, State
 from mauve.wcet.hardware.board import Board
+from mauve.wcet.result import Problem
 
 if TYPE_CHECKING:
     from mauve.wcet.flow.run.program import Ran
@@ -140,7 +141,7 @@ class Programs:
             functions = self._functions({address: tuple(sorted(targets)) for address, targets in found.items()})
             ran = run_program(Source(functions, entry), entry, deadline)
             if ran.flows is not None:
-                return _with_facts(ran, functions, self._given)
+                return _with_facts(ran, self._given)
             grown = {at: found.get(at, frozenset()) | more for at, more in ran.targets.items()}
             if all(found.get(at) == targets for at, targets in grown.items()):
                 return None
@@ -284,7 +285,7 @@ class _Program:
         return function.flow
 
 
-def _with_facts(ran: Ran, functions: Functions, given: Given) -> ProgramFlow:
+def _with_facts(ran: Ran, given: Given) -> ProgramFlow:
     """The contexts of a run with what flow facts state of their loops."""
     assert ran.flows is not None
     flows: dict[ContextKey, FunctionFlow] = {}
