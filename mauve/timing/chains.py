@@ -1,7 +1,7 @@
 """Chains of tasks that hand on data: how old an output's data is at most, and how long a change takes to show.
 
-A hop copies its inputs when its job starts and publishes its outputs when the job ends (semantics of record, section
-1). It is either woken by the hop before it (`woken`), or runs on its own and takes whatever was published last. With
+A hop copies its inputs when its job is released and publishes its outputs when the job ends (semantics of record,
+section 1). It is either woken by the hop before it (`woken`), or runs on its own and takes whatever was published last. With
 a(k) the nominal arrival of job k, it reads at or after a(k) and publishes by a(k) + R. Hops that wake one another form
 a segment with the period T of its first hop; its response R is the sum of the first hop's response from its nominal
 arrival and of the others' from their release.
@@ -21,10 +21,11 @@ k+1 has not, r < a(k) + T + R:
 After its publication an output stays until the next one replaces it; what reads it sees data older by up to T + R of
 the last segment, less what the job itself took.
 
-One case is tighter. If the last hop of a segment and the first of the next share a processor, and the former is more
-urgent and never waits within its job, then the latter cannot start while the former is released and unfinished. So it
-arrives at most T after the release (reaction), or before the release of job k+1 (age): what the writer itself takes
-from its release does not count (after Duerr et al., 2019). Offsets between tasks are not assumed.
+One case is tighter, where inputs are copied only when the job starts to run (`reads_at_start`). If the last hop of a
+segment and the first of the next share a processor, and the former is more urgent and never waits within its job, then
+the latter cannot start while the former is released and unfinished. So it arrives at most T after the release
+(reaction), or before the release of job k+1 (age): what the writer itself takes from its release does not count (after
+Duerr et al., 2019). Offsets between tasks are not assumed.
 """
 
 from __future__ import annotations
@@ -42,8 +43,9 @@ class Hop:
     period: greatest separation of its nominal arrivals, None where nothing bounds it; response: R from the nominal
     arrival; from_release: the same from the release (`ResponseResult.from_release`); woken: activated by each
     publication of the hop before it and by nothing else (for the first hop: by the event that the chain starts with);
-    jitter: greatest delay from the nominal arrival to the release; processor and priority, where both are known, for
-    the tighter case; waits: whether a job may suspend itself.
+    jitter: greatest delay from the nominal arrival to the release; reads_at_start: its inputs are copied by the job
+    itself when it starts to run, not at its release; then processor and priority, where both are known, are for the
+    tighter case; waits: whether a job may suspend itself.
     """
 
     name: str
@@ -55,6 +57,7 @@ class Hop:
     processor: str = ""
     priority: int | None = None
     waits: bool = False
+    reads_at_start: bool = False
 
 
 @record
@@ -108,8 +111,8 @@ def _works(hops: Sequence[Hop]) -> list[int]:
 
 
 def _hides(writer: Hop, reader: Hop) -> bool:
-    """Whether the reader's job cannot start while the writer's is released and unfinished."""
-    if writer.waits or writer.priority is None or reader.priority is None:
+    """Whether the reader's job cannot read while the writer's is released and unfinished."""
+    if not reader.reads_at_start or writer.waits or writer.priority is None or reader.priority is None:
         return False
     return writer.processor == reader.processor != "" and writer.priority > reader.priority
 

@@ -31,12 +31,14 @@ def test_a_hop_that_the_one_before_wakes_waits_for_nothing() -> None:
 
 def test_a_more_urgent_writer_on_the_same_processor_hides_its_own_time() -> None:
     a = Hop("a", 10, 5, 3, jitter=2, processor="p", priority=2)
-    b = Hop("b", 20, 9, 9, processor="p", priority=1)
+    b = Hop("b", 20, 9, 9, processor="p", priority=1, reads_at_start=True)
     found = chain_latencies([a, b])
     assert (found.reaction.total, found.age.total) == (10 + 2 + 20 + 9, 10 + 2 + 9)
     assert [share.hidden for share in found.reaction.shares] == [True, False]
-    other = Hop("b", 20, 9, 9, processor="q", priority=1)
+    other = Hop("b", 20, 9, 9, processor="q", priority=1, reads_at_start=True)
     assert chain_latencies([a, other]).reaction.total == 10 + 5 + 20 + 9
+    at_release = Hop("b", 20, 9, 9, processor="p", priority=1)
+    assert chain_latencies([a, at_release]).reaction.total == 10 + 5 + 20 + 9, "it reads while the writer still runs"
 
 
 def test_what_nothing_bounds_has_no_bound_and_says_why() -> None:
@@ -151,7 +153,7 @@ def test_a_hidden_writer_is_really_hidden_under_fixed_priorities(seed: int) -> N
     for task, result in zip(tasks, analysis.results, strict=True):
         assert result.wcrt is not None and result.from_release is not None
         hops.append(
-            Hop(task.name, task.period, result.wcrt, result.from_release, False, task.jitter, "p", task.priority)
+            Hop(task.name, task.period, result.wcrt, result.from_release, False, task.jitter, "p", task.priority, False, True)
         )
     found = chain_latencies(hops)
     assert found.reaction.total is not None and found.age.total is not None

@@ -140,3 +140,38 @@ def test_undominated_runs_dominate_all(runs: list[tuple[int, ...]]) -> None:
         assert any(all(a >= b for a, b in zip(other, run, strict=True)) for other in kept)
     for one in kept:
         assert not any(other != one and all(a >= b for a, b in zip(other, one, strict=True)) for other in kept)
+
+
+@st.composite
+def one_machine(draw: st.DrawFn) -> list[Task]:
+    period = draw(st.integers(3, 6))
+    high = Task("m", 2, period, period, (machine(draw(psms(max_states=3, max_cost=4))),))
+    return [high, Task("low", 1, 16, 16, (constant("low", draw(st.integers(1, 5))),))]
+
+
+@settings(max_examples=40, deadline=None)
+@given(one_machine())
+def test_the_exact_response_is_that_of_unit_steps_over_all_offsets_and_runs(tasks: list[Task]) -> None:
+    """Every run of the machine, every offset, one job of the low task released at time 0, no formula in between."""
+    result = analyse(tasks, Method.EXACT).result("low")
+    high, low = tasks
+    if result.wcrt is None or result.wcrt > low.period:
+        return
+    worst = 0
+    for run in set(all_runs(high, -(-result.wcrt // high.period) + 2)):
+        for offset in range(high.period):
+            pending, left, now, job = 0, low.demand(1), 0, 0
+            # The machine's job before time 0 may still be unfinished then.
+            pending = max(0, run[0] - (high.period - offset)) if offset else 0
+            job = 1 if offset else 0
+            while left:
+                if now >= offset and (now - offset) % high.period == 0 and job < len(run):
+                    pending += run[job]
+                    job += 1
+                if pending:
+                    pending -= 1
+                else:
+                    left -= 1
+                now += 1
+            worst = max(worst, now)
+    assert result.wcrt == worst
