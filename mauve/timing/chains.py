@@ -1,10 +1,10 @@
 """Chains of tasks that hand on data: how old an output's data is at most, and how long a change takes to show.
 
 A hop copies its inputs when its job is released and publishes its outputs when the job ends (semantics of record,
-section 1). It is either woken by the hop before it (`woken`), or runs on its own and takes whatever was published last. With
-a(k) the nominal arrival of job k, it reads at or after a(k) and publishes by a(k) + R. Hops that wake one another form
-a segment with the period T of its first hop; its response R is the sum of the first hop's response from its nominal
-arrival and of the others' from their release.
+section 1). It is either woken by the hop before it (`woken`), or runs on its own and takes whatever was published last.
+With a(k) the nominal arrival of job k, it reads at or after a(k) and publishes by a(k) + R. Hops that wake one another
+form a segment with the period T of its first hop; its response R is the sum of the first hop's response from its
+nominal arrival and of the others' from their release.
 
 Reaction time: from a change at the input of the first hop to the first output that reflects it. The change just misses
 a job, so the next one publishes by T_1 + R_1 after it; from each publication the next segment has an arrival within

@@ -153,7 +153,16 @@ def test_a_hidden_writer_is_really_hidden_under_fixed_priorities(seed: int) -> N
     for task, result in zip(tasks, analysis.results, strict=True):
         assert result.wcrt is not None and result.from_release is not None
         hops.append(
-            Hop(task.name, task.period, result.wcrt, result.from_release, False, task.jitter, "p", task.priority, False, True)
+            Hop(
+                task.name,
+                task.period,
+                result.wcrt,
+                result.from_release,
+                jitter=task.jitter,
+                processor="p",
+                priority=task.priority,
+                reads_at_start=True,
+            )
         )
     found = chain_latencies(hops)
     assert found.reaction.total is not None and found.age.total is not None
