@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from mauve.diagnostics.diagnostic import Diagnostic, Fix, Label, Report, Severity
+from mauve.model.mission_exclusive import rivals
 from mauve.model.mission_ports import check_ports
 from mauve.model.mission_tree import NEVER, Dependence, blocks, closure, elementary, that_matter
 from mauve.model.missions import Activity, Block, Mission, MissionPart, Parallel, Recover, Ref, Retry
@@ -145,7 +146,14 @@ def check_mission(mission: Mission, report: Report) -> None:
 
 def _check_possible(mission: Mission, dependence: Dependence, report: Report) -> None:
     """MV710: an objective needs an activity that can never run."""
-    for one in elementary(mission.root):
+    for one in {objective.name: objective for objective in elementary(mission.root)}.values():
+        possible = all(dependence.activity(ref.name) != NEVER for ref in one.activities)
+        clash = rivals(mission, one) if possible else None
+        if clash is not None:
+            message = f"the objective `{one.name}` always fails: it needs `{clash.resource}` twice"
+            note = f"`{clash.first}` and `{clash.second}` both take it, and it serves one activity at a time"
+            help_ = Fix(f"give one of them an alternative without `{clash.resource}`")
+            report.add(Diagnostic("MV710", message, Label(one.span), notes=(note,), help=help_))
         for ref in one.activities:
             if dependence.activity(ref.name) != NEVER:
                 continue

@@ -101,6 +101,13 @@ CASES = (
         _mission("X", "resource r: T\nactivity y {\n  alternative a { consumes r }\n  alternative b { }\n}\n"
                  "objective X { does y }\n"),
     ),
+    Case(
+        "MV710",
+        _mission("X", "resource r: T\nactivity y { consumes Clock produces r }\nactivity x { consumes Clock, r }\n"
+                 "objective X { does x }\n"),
+        _mission("X", "resource r: T\nactivity y { consumes Clock produces r }\nactivity x { consumes r }\n"
+                 "objective X { does x }\n"),
+    ),
     Case("MV711", _mission("Move ; Look ; Grip"), GOOD),
     Case(
         "MV712",
