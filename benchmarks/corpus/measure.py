@@ -90,18 +90,23 @@ def main() -> int:
         jobs = [pool.submit(measure, path, source, arguments) for path, source in images]
         for job in as_completed(jobs):
             rows.append(job.result())
-            if sys.stderr.isatty() or len(rows) % 25 == 0:
+            if len(rows) % 10 == 0:
                 spent = time.perf_counter() - started
                 print(f"{len(rows)} of {len(images)} after {spent:.0f} s", file=sys.stderr, flush=True)
+                write(rows, arguments)
+    print(write(rows, arguments))
+    return 0
+
+
+def write(rows: list[Row], arguments: argparse.Namespace) -> str:
+    """The table and the list of the rows so far; written to the files that were asked for."""
     rows.sort(key=lambda row: (row["program"], row["compiler"], row["core"]))
+    text = f"{table(rows)}\n\n{failures(rows)}"
     if arguments.out:
         arguments.out.write_text(json.dumps(rows, indent=1) + "\n", encoding="utf-8")
-    print(table(rows))
-    text = failures(rows)
-    print(text)
     if arguments.failures:
-        arguments.failures.write_text(table(rows) + "\n\n" + text + "\n", encoding="utf-8")
-    return 0
+        arguments.failures.write_text(text + "\n", encoding="utf-8")
+    return text
 
 
 def _arguments() -> argparse.Namespace:
