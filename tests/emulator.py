@@ -58,7 +58,8 @@ class Execution:
     """(address, bytes) of the straight runs in order of execution; empty unless asked for. They need not be the blocks
     of a CFG: a run may begin inside one or span several that fall through."""
     stack_bytes: int
-    """Greatest depth that was written below the stack pointer at entry, in bytes; 0 unless the trace is asked for."""
+    """Greatest depth that was written below the stack pointer at entry, in bytes; 0 unless the trace is asked for. On
+    cores with Thumb code only: at which another content was left."""
 
     @property
     def signed(self) -> int:
@@ -194,8 +195,9 @@ class Emulator:
                 lowest[0] = address
 
         hooks = [self._uc.hook_add(UC_HOOK_BLOCK, on_block)]
-        if trace:
+        if trace and not self._thumb_only:  # with a hook on memory the emulator skips instructions after IT blocks
             hooks.append(self._uc.hook_add(UC_HOOK_MEM_WRITE, on_write))
+        before = self.read(_STACK, top - _STACK)
         try:
             self._uc.emu_start(start, _RETURN)
         except UcError as error:
@@ -205,6 +207,10 @@ class Emulator:
                 self._uc.hook_del(hook)
         if self._uc.reg_read(arm.UC_ARM_REG_PC) != _RETURN:
             raise EmulationError(f"{function}: no return within {max_instructions} instructions")
+        if trace and self._thumb_only:
+            after = self.read(_STACK, top - _STACK)
+            changed = (at for at, (old, new) in enumerate(zip(before, after, strict=True), _STACK) if old != new)
+            lowest[0] = next(changed, top)
         executed: dict[int, int] = {}
         for block, times in counts.items():
             for address in self._lengths[block]:

@@ -158,7 +158,10 @@ class Replay:
                 fits = self._fitting(frame, following)
                 if any(frame.plan.flow.cfg.edges[e].kind is EdgeKind.CALL for e in fits):
                     frame.calling = tuple(fits)
-                    frames.append(self._called(frame, fits, following))
+                    callee = self._called(frame, fits, following)
+                    if callee is None:
+                        return None
+                    frames.append(callee)
                     continue
             if not fits and self._leaves(frames, following):
                 continue
@@ -173,7 +176,10 @@ class Replay:
                 continue
             frames.pop()
             if kind is EdgeKind.TAIL_CALL:
-                frames.append(self._called(frame, [edge], following))
+                callee = self._called(frame, [edge], following)
+                if callee is None:
+                    return None
+                frames.append(callee)
         if at != len(trace):
             self.wrong.append(f"returned {len(trace) - at} instructions early")
         return tuple(cycles)
@@ -201,8 +207,13 @@ class Replay:
                 self._count(frame, number, 1)
         return frame
 
-    def _called(self, frame: _Frame, edges: list[int], callee: int) -> _Frame:
-        """The frame of a callee; a tail call returns where its caller would."""
+    def _called(self, frame: _Frame, edges: list[int], callee: int) -> _Frame | None:
+        """The frame of a callee; a tail call returns where its caller would. None where the analysis says nothing of
+        the callee: it holds the call for impossible, unless it gave the caller up."""
+        if edges[0] not in frame.plan.flow.calls:
+            if not frame.plan.flow.problems:
+                self._tell(frame, f"{callee:#x} is called, which was not analysed")
+            return None
         all_edges = frame.plan.flow.cfg.edges
         keys = all_edges[edges[0]].callees
         (which,) = (k for k, key in enumerate(keys) if key & ~1 == callee)
