@@ -1,9 +1,9 @@
 """Which tasks run in a mode of a mission, and as what: an alternative's switch is a mode change of the architecture.
 
-The instances that the activities of a mission run are *tied*: such an instance is active only while one of its
-activities runs. All others, and the controller, always are. An instance whose alternative says `mode M = state S` has
-in this mode only the steps that stay in S, where nothing but an event from outside can make it leave; else, and
-while it is started, stopped or switched, it has all of its machine.
+The instances that activities run are *tied*: such an instance is active only while one of its activities runs, and
+never in a mission that does not use them. All others, and the controller, always are. An instance whose alternative
+says `mode M = state S` has in this mode only the steps that stay in S, where nothing but an event from outside can make
+it leave; else, and while it is started, stopped or switched, it has all of its machine.
 """
 
 from __future__ import annotations
@@ -26,15 +26,12 @@ ANY = ""
 @record
 class Ties:
     """The instance that each activity runs, and the state that each of its alternatives asks for, as the name of a
-    machine and a state of it (`ANY` without one)."""
+    machine and a state of it (`ANY` without one). `tied` are the instances that are active only while one of their
+    activities runs, those of activities that the mission does not use included."""
 
     instances: Mapping[str, str]
     states: Mapping[tuple[str, str], tuple[str, str]]
-
-    @property
-    def tied(self) -> frozenset[str]:
-        """The instances that are active only while one of their activities runs."""
-        return frozenset(self.instances.values())
+    tied: frozenset[str]
 
 
 Active = frozenset[tuple[str, str, str]]
@@ -60,7 +57,17 @@ def tie(mission: Mission, deployment: Deployment, report: Report) -> Ties | None
             if state and one.mode is not None:
                 name = ".".join((found[0].name, *one.mode.region))
                 states[activity.name, one.name or "only"] = (name, state)
-    return Ties(instances, states) if clear and instances else None
+    tied = {*instances.values(), *_idle(mission, deployment)}
+    return Ties(instances, states, frozenset(tied)) if clear and tied else None
+
+
+def _idle(mission: Mission, deployment: Deployment) -> Iterable[str]:
+    """The instances that only activities of other missions run, where it is clear which."""
+    for activity in mission.others:
+        if activity.runs is not None and activity.runs.component is not None:
+            found = _instances(activity.runs.instance, activity.runs.component, deployment)
+            if len(found) == 1:
+                yield found[0].name
 
 
 def _instances(name: str, component: Component, deployment: Deployment) -> list[Instance]:

@@ -93,11 +93,12 @@ def _mission(decl: written.MissionDecl, root: Steps, part: MissionPart, home: Ho
     names = {name for activity in activities for name in (*activity.needs, *activity.offers)}
     hardware = tuple(each for each in part.hardware if each.name in names)
     software = tuple(each for each in part.software if each.name in names)
+    others = tuple(activity for activity in part.activities if activity.name not in used)
     known = Known({a.name: a for a in activities}, {h.name: h for h in hardware}, block_names(root))
     return Mission(
         decl.name.text, root, activities, software, hardware, resolve_claims(decl, known, report),
         resolve_formulas(decl, known, report), decl.report_cuts, resolve_controller(decl, home, report),
-        resolve_accepts(decl, known, report), decl.name.span,
+        resolve_accepts(decl, known, report), decl.name.span, others,
     )  # fmt: skip
 
 

@@ -273,7 +273,8 @@ class Controller:
 
 @record
 class Mission:
-    """A mission with all that it uses, directly or through producers, in the order of declaration."""
+    """A mission with all that it uses, directly or through producers, in the order of declaration. `others` are the
+    activities of the model that it does not use, and that never run in it."""
 
     name: str
     root: Sequence
@@ -286,6 +287,7 @@ class Mission:
     controller: Controller | None
     accepts: tuple[Ref, ...]
     span: Span
+    others: tuple[Activity, ...] = ()
 
     def activity(self, name: str) -> Activity:
         """An activity by its name."""

@@ -230,6 +230,18 @@ def _codes(source: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> s
     return {d["code"] for d in checked(source, tmp_path, capsys)[1]["diagnostics"]}
 
 
+def test_what_only_another_mission_runs_rests(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """A heavy component of a mission of its own disturbs neither the other mission nor the deployment."""
+    heavy = "component Heavy {\n  codel grind wcet 8ms\n  behaviour {\n    initial state On { run grind }\n  }\n}\n"
+    more = "  instance heavy: Heavy { period 10ms priority 7 }\n"
+    other = "activity grind { runs heavy }\nobjective Grind { does grind }\nmission N { Grind }\n"
+    source = text(more=more).replace("architecture", heavy + "architecture") + other
+    code, document = checked(source, tmp_path, capsys)
+    first, second = document["deployments"][0]["mission_modes"]
+    assert code == 0 and "heavy" not in responses(first) and set(responses(second)) >= {"heavy", "watch"}
+    assert "nav" not in responses(second)
+
+
 # ------------------------------------------------------------------------------------------------ the example
 def test_the_robot_of_the_example_holds_in_each_mode(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["check", str(ROOT / "examples" / "ulysse" / "robot.mauve"), "--no-cache"]) == 0
