@@ -11,6 +11,7 @@ from mauve.wcet.binary.decode import Decoder
 from mauve.wcet.binary.elf import Binary
 from mauve.wcet.binary.graph import Cfg, EdgeKind
 from mauve.wcet.binary.loops import strong_components
+from mauve.wcet.binary.subroutine import put_into_callers
 
 PROGRAM_LIMIT = 2_000_000
 """How many instructions of a whole program are looked at before giving up."""
@@ -68,6 +69,7 @@ class Graphs:
             for key in affected:
                 cfgs[key] = build_cfg(self._binary, key, control, self._decoder)
         self._control = control
+        known = put_into_callers(known, self._binary)
         for key in _reachable(known, entry):
             if key not in self._settled:
                 self._settled[key] = known[key]

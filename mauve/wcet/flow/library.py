@@ -16,9 +16,9 @@ from dataclasses import dataclass
 from functools import cache
 from importlib import resources
 
-from mauve.wcet.binary.graph import Cfg
+from mauve.wcet.binary.graph import EXIT, Cfg, Edge, EdgeKind
 from mauve.wcet.binary.loops import Loop
-from mauve.wcet.binary.microop import Call, CompareBranch, Instruction, Jump
+from mauve.wcet.binary.microop import Call, CompareBranch, IndirectJump, Instruction, Jump
 from mauve.wcet.flow.ranking import RankBound
 
 FORMAT = 1
@@ -48,20 +48,58 @@ def library_bound(cfg: Cfg, loop: Loop) -> RankBound | None:
     table = known_functions()
     if cfg.unresolved:
         return None
-    known = table.get(fingerprint(cfg))
-    offset = cfg.blocks[loop.header].address - cfg.address
-    for entry in known.loops if known is not None else ():
-        if entry.offset == offset:
-            return RankBound(entry.total, f"known helper {known.names[0] if known is not None else ''}")
+    for start, blocks in _parts(cfg):
+        if loop.header not in blocks:
+            continue
+        address = cfg.blocks[start].address
+        known = table.get(_fingerprint(cfg, address, blocks))
+        offset = cfg.blocks[loop.header].address - address
+        for entry in known.loops if known is not None else ():
+            if entry.offset == offset:
+                return RankBound(entry.total, f"known helper {known.names[0] if known is not None else ''}")
     return None
 
 
 def fingerprint(cfg: Cfg) -> str:
     """The hash of a function's instructions in order of address, each once, with addresses outside it left out."""
-    instructions = {i.address: i for block in cfg.blocks for i in block.instructions}
+    return _fingerprint(cfg, cfg.address, _parts(cfg)[0][1])
+
+
+def _parts(cfg: Cfg) -> list[tuple[int, frozenset[int]]]:
+    """The function and the subroutines that were put into its graph, which the table knows apart: the first block and
+    all blocks of each. A call that is no call edge leads into such a subroutine, which comes back behind it."""
+    leaving: dict[int, list[Edge]] = {}
+    for edge in cfg.edges:
+        leaving.setdefault(edge.source, []).append(edge)
+    parts: list[tuple[int, frozenset[int]]] = []
+    starts = [cfg.entry]
+    for start in starts:
+        seen, work = {start}, [start]
+        while work:
+            block = work.pop()
+            flow = cfg.blocks[block].instructions[-1].flow
+            following: list[int] = []
+            for edge in leaving.get(block, ()):
+                inside = isinstance(flow, Call) and edge.kind is EdgeKind.TAKEN
+                if inside:
+                    starts.append(edge.target)
+                    following += [b.id for b in cfg.blocks if b.address == cfg.blocks[block].instructions[-1].end][:1]
+                elif edge.target != EXIT and not (
+                    edge.kind is EdgeKind.SWITCH and isinstance(flow, IndirectJump) and flow.returns
+                ):
+                    following.append(edge.target)
+            fresh = [target for target in following if target not in seen]
+            seen.update(fresh)
+            work += fresh
+        parts.append((start, frozenset(seen)))
+    return parts
+
+
+def _fingerprint(cfg: Cfg, start: int, blocks: frozenset[int]) -> str:
+    instructions = {i.address: i for block in blocks for i in cfg.blocks[block].instructions}
     inside = set(instructions)
     words = [f"format {FORMAT} {'thumb' if cfg.thumb else 'arm'}"]
-    words += [_normal(instructions[address], cfg.address, inside) for address in sorted(instructions)]
+    words += [_normal(instructions[address], start, inside) for address in sorted(instructions)]
     return hashlib.sha256("\n".join(words).encode()).hexdigest()[:32]
 
 
