@@ -15,6 +15,7 @@ from mauve.timing.bill import deadline_bill, worst_bill
 from mauve.timing.response import Analysis, ResponseResult
 from mauve.timing.task import Kind, Task, trace_length
 from mauve.verdict.result import CheckResult, DeploymentResult, NodeResult, executed
+from mauve.verdict.stack import stack_use
 from mauve.wcet import serialize
 from mauve.wcet.result import WcetResult
 
@@ -69,7 +70,7 @@ def _deployment(result: DeploymentResult) -> dict[str, object]:
         "expected_unschedulable": deployment.expect_unschedulable is not None,
         "codels": [_codel(codel) for codel in result.codels],
         "flows": [flow_plain(flow) for flow in result.flows],
-        "nodes": [_node(node, result.complete, worst) for node in result.nodes],
+        "nodes": [_node(node, result, worst) for node in result.nodes],
         **modes,
         **_varied(result),
     }
@@ -110,7 +111,9 @@ def _analysis(result: WcetResult) -> dict[str, object]:
 
 
 # ------------------------------------------------------------------------------------------------------ components
-def _node(node: NodeResult, complete: bool, worst: Mapping[str, ResponseResult] | None) -> dict[str, object]:
+def _node(
+    node: NodeResult, result: DeploymentResult, worst: Mapping[str, ResponseResult] | None
+) -> dict[str, object]:
     board = node.tasks.node.board
     analysis = node.analysis
     return {
@@ -121,7 +124,7 @@ def _node(node: NodeResult, complete: bool, worst: Mapping[str, ResponseResult] 
         "context_switch_ps": board.context_switch,
         "load": sum(float(task.interferer.load) for task in analysis.tasks) if analysis else None,
         "method": analysis.method.value if analysis else None,
-        "components": [_component(p, analysis, complete, worst) for p in node.tasks.tasks] if analysis else [],
+        "components": [_component(p, analysis, result, worst) for p in node.tasks.tasks] if analysis else [],
         "overheads": [_overhead(task) for task in analysis.tasks if task.kind is not Kind.TASK] if analysis else [],
     }
 
@@ -137,12 +140,16 @@ def _overhead(task: Task) -> dict[str, object]:
 
 
 def _component(
-    placed: PlacedTask, analysis: Analysis, complete: bool, worst: Mapping[str, ResponseResult] | None
+    placed: PlacedTask,
+    analysis: Analysis,
+    deployment: DeploymentResult,
+    worst: Mapping[str, ResponseResult] | None,
 ) -> dict[str, object]:
     task = placed.task
     result = analysis.result(task.name)
     if worst is not None:
         result = worst.get(task.name, changed(result, wcrt=0, reason=None))
+    stack = stack_use(placed, deployment.codels)
     analysed = executed(placed, analysis)
     length = min(TRACE_LENGTH, trace_length(task, [t for t in analysis.tasks if t.kind is Kind.TASK]))
     return {
@@ -158,7 +165,9 @@ def _component(
         "waits": [{"operation": wait.operation, "wait_ps": wait.time} for wait in placed.waits],
         "load": float(analysed.load),
         "trace_ps": list(analysed.trace(length)),
-        **_response(result, complete),
+        "stack_bytes": stack.size if stack is not None else None,
+        "stack_codel": stack.codel if stack is not None else None,
+        **_response(result, deployment.complete),
         "bill": bill_plain(worst_bill(analysis, task.name), placed) if worst is None else None,
         "miss": bill_plain(deadline_bill(analysis, task.name), placed) if worst is None else None,
         **details_plain(placed, analysis),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from itertools import groupby
+from textwrap import wrap
 
 from mauve.diagnostics.style import Role, Style
 from mauve.lower.codels import CodelTime, Source
@@ -15,6 +16,7 @@ from mauve.timing.response import Analysis, Method, ResponseResult
 from mauve.timing.task import Kind, Task, trace_length
 from mauve.units import format_time
 from mauve.verdict.result import CheckResult, DeploymentResult, NodeResult, executed
+from mauve.verdict.stack import stack_use
 
 TRACE_RUNS = 3
 """How many runs of equal elements a table shows of a trace."""
@@ -41,6 +43,9 @@ COMPONENTS = (
     Column("verdict"),
 )
 
+
+LINE = 110
+"""Sentences are broken into lines of about so many characters."""
 
 NARROW = 100
 """On fewer columns the table of components goes without the slack."""
@@ -158,7 +163,20 @@ def _node(node: NodeResult, result: DeploymentResult, style: Style, limit: int |
         # The slack is what the deadline leaves of the response: it can be spared.
         columns = (*COMPONENTS[:4], Column("trace", elastic=True), *COMPONENTS[5:7], COMPONENTS[8])
         rows = [(*row[:7], row[8]) for row in rows]
-    return [*format_table(columns, rows, style, limit=limit), method]
+    return [*format_table(columns, rows, style, limit=limit), method, *_stacks(node, result)]
+
+
+def _stacks(node: NodeResult, result: DeploymentResult) -> list[str]:
+    """What the tasks need of their stacks, where binaries say so."""
+    if not any(codel.result is not None and codel.result.stack is not None for codel in result.codels):
+        return []
+    words = []
+    for placed in node.tasks.tasks:
+        use = stack_use(placed, result.codels)
+        size = "?" if use is None or use.size is None else f"{grouped(use.size)} B"
+        words.append(f"{placed.task.name} {size}" + (f" ({use.codel})" if use is not None else ""))
+    text = f"stacks, deepest codel of each task: {', '.join(words)}"
+    return wrap(text, LINE, initial_indent="  ", subsequent_indent="    ", break_on_hyphens=False)
 
 
 def _worst(result: DeploymentResult) -> dict[str, ResponseResult] | None:

@@ -1,0 +1,35 @@
+"""The stack of a task: the deepest of the codels that it executes, from the binary."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from mauve.lower.codels import CodelTime
+from mauve.lower.placed import PlacedTask
+from mauve.records import record
+
+
+@record
+class StackUse:
+    """`size` is in bytes, on top of what the frame of the task's own loop takes, and None where the depth of a codel is
+    not known; `codel` is the deepest one, or the first one of which nothing is known."""
+
+    size: int | None
+    codel: str
+
+
+def stack_use(placed: PlacedTask, codels: Iterable[CodelTime]) -> StackUse | None:
+    """The stack of a task whose codels are called one after the other; None for one that executes none."""
+    regions = {machine.region for machine in placed.machines}
+    instances = {instance.name for instance in placed.instances}
+    deepest: StackUse | None = None
+    for codel in codels:
+        uses = codel.plan.uses
+        if not any(use.provider in instances if use.waits else use.region in regions for use in uses):
+            continue
+        size = codel.result.stack if codel.result is not None else None
+        if size is None:
+            return StackUse(None, str(codel.plan.id))
+        if deepest is None or deepest.size is None or size > deepest.size:
+            deepest = StackUse(size, str(codel.plan.id))
+    return deepest
