@@ -149,7 +149,7 @@ def _slacks(answer: Answer, style: Style, limit: int | None) -> list[str]:
                 _ranges(one.range) if one.range else "",
             )
         )
-    lines = ["", *format_table(SLACKS, rows, style, limit=limit)]
+    lines = ["", *format_table(SLACKS, rows, style, limit=limit)] if found.costs else [""]
     switches = next((one for one in found.costs if one.what is What.OVERHEAD), None)
     if switches is not None:
         per = switches.at_most // 2 if switches.at_most is not None else None

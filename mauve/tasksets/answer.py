@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from fractions import Fraction
 
 from mauve.records import record
@@ -11,7 +11,7 @@ from mauve.tasksets.taskset import Entry, TaskSet, timing_tasks
 from mauve.timing.blocking import blocking_sections
 from mauve.timing.priorities import Assignment, Policy, PriorityRange, assign, priority_ranges, with_priorities
 from mauve.timing.response import Analysis, Method, ResponseResult, analyse
-from mauve.timing.sensitivity import Sensitivity, sensitivity
+from mauve.timing.sensitivity import Sensitivity, lowest_speed, sensitivity
 from mauve.timing.task import Kind, Section, Task
 
 
@@ -34,6 +34,9 @@ class TaskAnswer:
     blocker: Section | None
     range: PriorityRange | None
 
+
+MOST_VARIED = 100
+"""Of larger sets only the speed of the processor is varied: the rest takes time that grows with the cube."""
 
 FINER = 1000
 """What may change is searched for in steps so many times finer than the times of the set."""
@@ -94,7 +97,8 @@ def answer(taskset: TaskSet, request: Request) -> Answer:
     }
     seen = {task.name: task for task in analysis.tasks}
     results = {result.task: result for result in analysis.results}
-    ranges = {one.task: one for one in priority_ranges(tasks)} if request.sensitivity else {}
+    varied = request.sensitivity and len(taskset.tasks) <= MOST_VARIED
+    ranges = {one.task: one for one in priority_ranges(tasks)} if varied else {}
     answers = tuple(
         TaskAnswer(
             entry,
@@ -119,10 +123,13 @@ def answer(taskset: TaskSet, request: Request) -> Answer:
 
 
 def _vary(taskset: TaskSet, assignment: Assignment, policy: Policy) -> Sensitivity:
-    tasks, _ = timing_tasks(taskset, FINER)
-    if policy is Policy.GIVEN or assignment.priorities is None:
-        return sensitivity(tasks)
-    return sensitivity(with_priorities(tasks, assignment))
+    given, _ = timing_tasks(taskset, FINER)
+    tasks: Sequence[Task] = given
+    if policy is not Policy.GIVEN and assignment.priorities is not None:
+        tasks = with_priorities(given, assignment)
+    if len(taskset.tasks) > MOST_VARIED:
+        return Sensitivity((), (), lowest_speed(tasks))
+    return sensitivity(tasks)
 
 
 def _named(section: Section | None, task: Task) -> Section | None:

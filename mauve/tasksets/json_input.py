@@ -60,6 +60,9 @@ def read_json(file: SourceFile, report: Report) -> Document:
     faults = Faults(JsonSpans(file), report)
     listed = _is_list(value)
     sets: list[TaskSet | None] = []
+    if listed and not value:
+        faults.add("MV622", (), "there is no task set in the list")
+        return UNREADABLE
     for path, one in [((index,), one) for index, one in enumerate(value)] if _is_list(value) else [((), value)]:
         before = faults.errors
         found = _Reader(faults, path).read(one)
@@ -161,7 +164,7 @@ class _Reader:
         handlers = tuple(self._handlers(fields))
         names = [(entry.name, (*entry.path, "name")) for entry in found]
         unique([*names, *((one.name, (*root, "interrupts")) for one in handlers)], "tasks", faults)
-        unit, name = fields.get("unit", ""), fields.get("name", fields.get("id", ""))
+        unit, name = fields.get("unit") or "", fields.get("name", fields.get("id", ""))
         if not isinstance(unit, str):
             faults.add("MV622", (*root, "unit"), f'`unit` is {_said(unit)}; it is a text, such as "ms"')
         return TaskSet(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from mauve.diagnostics.diagnostic import Diagnostic, Fix, Label, Report, Severity
-from mauve.tasksets.answer import Answer, TaskAnswer
+from mauve.tasksets.answer import MOST_VARIED, Answer, TaskAnswer
 from mauve.timing.bill import Bill, BillLine, deadline_bill
 from mauve.timing.priorities import Policy
 from mauve.timing.response import UNSOUND, Caveat, Reason
@@ -30,6 +30,10 @@ def report_answer(answer: Answer, report: Report) -> None:
         elif not one.result.schedulable and told < MOST_MESSAGES:
             told += 1
             report.add(_missed(answer, one))
+    if answer.sensitivity is not None and len(answer.tasks) > MOST_VARIED:
+        message = f"costs, periods and priorities are varied for up to {MOST_VARIED} tasks, not for {len(answer.tasks)}"
+        place = Label(answer.taskset.spans.of(answer.taskset.path))
+        report.add(Diagnostic("MV626", message, place, Severity.NOTE))
     for caveat in dict.fromkeys(c for one in answer.tasks for c in one.result.caveats):
         _report_caveat(answer, caveat, report)
 

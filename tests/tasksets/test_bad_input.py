@@ -59,6 +59,7 @@ BAD: list[tuple[str, object, str, str]] = [
     ("no tasks", {"schema": "mauve.taskset/1", "tasks": []}, "MV622", "no task in the set"),
     ("tasks of another kind", {"schema": "mauve.taskset/1", "tasks": {"a": 1}}, "MV622", "it is a list of tasks"),
     ("a task of another kind", {"schema": "mauve.taskset/1", "tasks": [3]}, "MV622", "a task is an object"),
+    ("an empty list", [], "MV622", "no task set in the list"),
     ("a number for a document", "3", "MV622", "a task set is an object, not a number"),
     ("null", "null", "MV621", "null"),
     ("no JSON", '{"schema": "mauve.taskset/1", "tasks": [', "MV621", "this is not JSON"),

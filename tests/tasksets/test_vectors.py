@@ -195,3 +195,12 @@ def test_where_the_exact_method_does_not_reach_the_trace_method_answers_and_says
     found = schedule({"schema": "mauve.taskset/1", "tasks": tasks}, "--format", "json", "--method", "exact")
     assert found.code == 0 and [task["method"] for task in found.json["tasks"]] == ["trace", "trace"]
     assert [(one["code"], one["severity"]) for one in found.json["diagnostics"]] == [("MV626", "note")]
+
+
+def test_of_many_tasks_only_the_speed_is_varied(schedule: Schedule) -> None:
+    tasks = [{"name": f"t{n}", "T": 1000 + n, "C": 5} for n in range(101)]
+    found = schedule({"schema": "mauve.taskset/1", "unit": None, "tasks": tasks}, "--format", "json", "--sensitivity")
+    assert "varied for up to 100 tasks" in found.err and found.code == 0
+    answer = found.json["sensitivity"]
+    assert (answer["costs"], answer["periods"], answer["priorities"]) == ([], [], []) and 0 < answer["speed"] < 1
+    assert "lowest speed" in schedule({"schema": "mauve.taskset/1", "tasks": tasks}, "--sensitivity").out
