@@ -170,6 +170,10 @@ def analyse_deployment(
     complete = derivation.complete and _complete(codels, nodes)
     modes = _modes(deployment, missions, placed, derivation, options.method, report) if complete else ()
     analysed = [(node.tasks, node.analysis) for node in nodes] if complete else []
+    if modes:
+        from mauve.verdict.modes import in_modes
+
+        analysed = in_modes(analysed, modes)
     flows = check_flows(deployment, analysed) if complete else ()
     overflows = check_overflow(deployment, analysed)
     met = all(node.analysis is not None and node.analysis.schedulable for node in nodes)

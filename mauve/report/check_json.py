@@ -57,7 +57,7 @@ def _deployment(result: DeploymentResult) -> dict[str, object]:
     modes: dict[str, object] = {}
     if result.modes:
         from mauve.report.modes_json import modes_document
-        from mauve.report.modes_text import worst_responses
+        from mauve.verdict.modes import worst_responses
 
         worst = worst_responses(result.modes)
         modes = {"mission_modes": [modes_document(one) for one in result.modes]}

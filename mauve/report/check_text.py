@@ -183,7 +183,7 @@ def _worst(result: DeploymentResult) -> dict[str, ResponseResult] | None:
     """The responses by task where those of a mission's modes count; None where those of all tasks together do."""
     if not result.modes:
         return None
-    from mauve.report.modes_text import worst_responses
+    from mauve.verdict.modes import worst_responses
 
     return worst_responses(result.modes)
 

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 
 from mauve.diagnostics.style import Role, Style
 from mauve.report.table import Align, Cell, Column, Row, format_table
-from mauve.timing.response import ResponseResult
 from mauve.units import format_time
 from mauve.verdict.modes import Leg, ModesResult, Reaction
 
@@ -17,18 +16,6 @@ REACTIONS = (
     Column("last to switch", elastic=True),
     Column("reaction", Align.RIGHT),
 )
-
-
-def worst_responses(modes: Iterable[ModesResult]) -> dict[str, ResponseResult]:
-    """The worst result of each task over the modes and switches of all missions."""
-    found: dict[str, ResponseResult] = {}
-    for one in modes:
-        for result in one.worst:
-            known = found.get(result.task)
-            size, least = ((one is None, one or 0) for one in (result.wcrt, known.wcrt if known else 0))
-            if known is None or size > least:
-                found[result.task] = result
-    return found
 
 
 def mode_lines(result: ModesResult, style: Style, limit: int | None) -> Iterator[str]:

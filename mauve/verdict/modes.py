@@ -100,6 +100,33 @@ def check_modes(
     return _Modes(result, result.graph, ties, nodes, respond).check()
 
 
+def worst_responses(modes: Iterable[ModesResult]) -> dict[str, ResponseResult]:
+    """The worst result of each task over the modes and switches of all missions."""
+    found: dict[str, ResponseResult] = {}
+    for one in modes:
+        for result in one.worst:
+            known = found.get(result.task)
+            size, least = ((one is None, one or 0) for one in (result.wcrt, known.wcrt if known else 0))
+            if known is None or size > least:
+                found[result.task] = result
+    return found
+
+
+def in_modes(
+    nodes: Iterable[tuple[NodeTasks, Analysis | None]], modes: Sequence[ModesResult]
+) -> list[tuple[NodeTasks, Analysis | None]]:
+    """The analyses of all tasks together with the worst responses of any mode in place of their own. A response from
+    the release is then not known: the one from the nominal arrival is no shorter."""
+    worst = worst_responses(modes)
+    found: list[tuple[NodeTasks, Analysis | None]] = []
+    for node, analysis in nodes:
+        if analysis is not None:
+            results = tuple(changed(worst.get(r.task, r), from_release=None) for r in analysis.results)
+            analysis = changed(analysis, results=results)
+        found.append((node, analysis))
+    return found
+
+
 class _Modes:
     """One mission on one deployment; analyses are kept by set of tasks."""
 

@@ -243,6 +243,17 @@ def test_what_only_another_mission_runs_rests(tmp_path: Path, capsys: pytest.Cap
 
 
 # ------------------------------------------------------------------------------------------------ the example
+def test_a_flow_takes_the_worst_responses_of_any_mode(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """All tasks together overload the processor, so with all of them the flow would have no bound."""
+    source = (ROOT / "examples" / "ulysse" / "robot.mauve").read_text(encoding="utf-8")
+    flow = "  flow blind: location.pose -> surface.command within 300ms\n"
+    code, document = checked(source.replace("  connect gps", flow + "  connect gps", 1), tmp_path, capsys)
+    (deployment,) = document["deployments"]
+    worst = {one["name"]: one["wcrt_ps"] for one in deployment["mission_modes"][0]["components"]}
+    assert code == 0 and deployment["schedulable"]
+    assert deployment["flows"][0]["reaction_ps"] == 100 * MS + worst["location"] + worst["surface"]
+
+
 def test_the_robot_of_the_example_holds_in_each_mode(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["check", str(ROOT / "examples" / "ulysse" / "robot.mauve"), "--no-cache"]) == 0
     out = capsys.readouterr().out
