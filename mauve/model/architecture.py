@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from mauve.diagnostics.diagnostic import Diagnostic, Fix, Label, Report
+from mauve.diagnostics.diagnostic import Diagnostic, Fix, Label, Report, Severity
 from mauve.model.connections import resolve_connections
 from mauve.model.execution import execution_settings
 from mauve.model.flows import resolve_flows
@@ -109,6 +109,12 @@ def _check_activation(
     if {ast.Execution.PERIOD, ast.Execution.SPORADIC} <= written:
         message = f"`{name}` is both periodic and sporadic"
         report.add(Diagnostic("MV401", message, Label(name.span), help=Fix("keep one of `period` and `sporadic`")))
+    elif ast.Execution.SPORADIC in settings and all(port.kind is not PortKind.EVENT for port in component.ports):
+        message = f"`{name}` is sporadic, but has no event port that wakes it"
+        labels = (Label(component.span, "the component"),)
+        help_ = Fix("give it an `event port`, or a `period`; as it is, it is taken to wake as often as it may")
+        span = settings[ast.Execution.SPORADIC].span or name.span
+        report.add(Diagnostic("MV401", message, Label(span), Severity.WARNING, labels, help=help_))
     if {ast.Execution.PERIOD, ast.Execution.SPORADIC} & written or not component.regions:
         return
     if instance_period(instance) is None:

@@ -92,7 +92,8 @@ def _model(random: Random) -> str:
             connections.append(f"connect i{place}.ask -> server.ask")
     if server:
         parts += ["component Server {", "operation ask(x: f64): f64 = solve runs in owner",
-                  "codel solve reads x returns f64 wcet 10us", "behaviour { initial state On { method solve } }", "}"]  # fmt: skip
+                  "codel solve reads x returns f64 wcet 10us",
+                  "behaviour { initial state On { method solve } }", "}"]  # fmt: skip
         instances.append("instance server: Server { period 200us priority 7 }")
     flow = f"flow whole: i0.made -> ... -> i{count - 1}.made"
     return "\n".join((
