@@ -141,6 +141,7 @@ def main() -> int:
     arguments = parser.parse_args()
     arguments.folder.mkdir(parents=True, exist_ok=True)
     rows: list[Row] = []
+    text = ""
     for compiler in arguments.compilers.split(","):
         if reason := missing(compiler):
             print(f"SKIPPED: {compiler}: {reason}", file=sys.stderr)
@@ -149,12 +150,12 @@ def main() -> int:
             image = build(compiler, core, arguments.folder.resolve())
             rows += examine(image, set(filter(None, arguments.only.split(","))), arguments.inputs, arguments.timeout)
             print(f"{compiler} {core}: done", file=sys.stderr, flush=True)
-    text = summary(rows)
+            text = summary(rows)
+            if arguments.out:
+                arguments.out.write_text(json.dumps(rows, indent=1) + "\n", encoding="utf-8")
+            if arguments.failures:
+                arguments.failures.write_text(text + "\n", encoding="utf-8")
     print(text)
-    if arguments.out:
-        arguments.out.write_text(json.dumps(rows, indent=1) + "\n", encoding="utf-8")
-    if arguments.failures:
-        arguments.failures.write_text(text + "\n", encoding="utf-8")
     return 0
 
 
