@@ -113,7 +113,8 @@ class Programs:
         problems in the result; no input makes this raise.
         """
         deadline = self._limits.deadline if timeout is None else monotonic() + timeout
-        if self._initial_data:
+        if self._initial_data and not self._given.assumed.memory:
+            # A run knows the linked data only: where facts speak of memory, it would be one execution of many.
             ran = self._run(entry_key, deadline)
             if ran is not None:
                 return ran
