@@ -89,7 +89,11 @@ def bill_plain(bill: Bill | None, placed: PlacedTask) -> dict[str, object] | Non
         "due_ps": bill.due,
         "blocking_ps": bill.blocking,
         "blocker": {"task": blocker.holder, "section": blocker.what, "length_ps": blocker.length} if blocker else None,
-        "own": {**_line(bill.own), "runs": [run for work in bill.own.work for run in _run(work.name, work.run)]},
+        "own": {
+            **_line(bill.own),
+            "costs_ps": [list(work.trace) for work in bill.own.work],
+            "runs": [run for work in bill.own.work for run in _run(work.name, work.run)],
+        },
         "interference": [_line(line) for line in bill.others],
     }
 
@@ -106,5 +110,4 @@ def _line(line: BillLine) -> dict[str, object]:
         "jobs": line.jobs,
         "cost_ps": line.cost,
         "overhead_ps": line.overhead,
-        "costs_ps": [list(work.trace) for work in line.work],
     }
