@@ -12,6 +12,7 @@ makes the other later.
 
 from __future__ import annotations
 
+from bisect import bisect_left
 from collections.abc import Sequence
 from enum import Enum
 
@@ -139,15 +140,28 @@ def priority_ranges(tasks: Sequence[Task], steps: int = STEPS) -> tuple[Priority
 
 def _range(one: Task, tasks: Sequence[Task], steps: int) -> PriorityRange:
     levels = sorted({task.priority for task in tasks if task.kind is Kind.TASK and task is not one})
+    place = next(at for at, task in enumerate(tasks) if task is one)
     known: Known = {}
+    positions = [(low, high, _inside(low, high, one.priority)) for low, high in _positions(levels)]
+
+    def in_time(at: int) -> bool:
+        """Whether the task itself is in time there; higher up it never responds later."""
+        return _meets(place, _moved(place, positions[at][2], tasks), known, steps)
+
+    first = bisect_left(range(len(positions)), True, key=in_time)
     found: list[tuple[int | None, int | None]] = []
-    for low, high in _positions(levels):
-        at = low if low is not None else high if high is not None else one.priority
-        if _holds_at(one, at, tasks, known, steps):
+    for low, high, at in positions[first:]:
+        moved = _moved(place, at, tasks)
+        if all(_meets(index, moved, known, steps, place) for index in range(len(moved)) if index != place):
             if found and low is not None and found[-1][1] == low - 1:
                 low = found.pop()[0]
             found.append((low, high))
     return PriorityRange(one.name, one.priority, tuple(found))
+
+
+def _inside(low: int | None, high: int | None, now: int) -> int:
+    """A priority of a range."""
+    return low if low is not None else high if high is not None else now
 
 
 def _positions(levels: Sequence[int]) -> list[tuple[int | None, int | None]]:
@@ -163,31 +177,28 @@ def _positions(levels: Sequence[int]) -> list[tuple[int | None, int | None]]:
     return found
 
 
-def _holds_at(one: Task, priority: int, tasks: Sequence[Task], known: Known, steps: int) -> bool:
-    """Whether all deadlines hold with the task at this priority; answers that depend on the same things are kept."""
-    top = max(task.priority for task in tasks if task.kind is Kind.TASK) + abs(priority) + 1
-    moved = with_blocking(
-        [
-            changed(task, priority=priority) if task is one else task
-            if task.kind is Kind.TASK
-            else changed(task, priority=top)
-            for task in tasks
-        ]
-    )
-    place = next(at for at, task in enumerate(tasks) if task is one)
-    # The task itself and those near its new place are the likeliest to miss.
-    order = sorted(range(len(moved)), key=lambda at: (at != place, moved[at].priority))
-    for at in order:
-        task = moved[at]
-        if task.kind is not Kind.TASK:
-            continue
-        key = (at, priority if at == place else priority >= task.priority, task.blocking)
-        if key not in known:
-            others = Interference()
-            for other in moved:
-                if other.priority >= task.priority and other is not task:
-                    others.add(other.interferer)
-            known[key] = meets_deadline(task, others, Budget(steps))
-        if not known[key]:
-            return False
-    return True
+def _moved(place: int, priority: int, tasks: Sequence[Task]) -> list[Task]:
+    """The tasks with that of a place at another priority, interrupts above all, and the blocking that follows."""
+    moved = list(tasks)
+    moved[place] = changed(moved[place], priority=priority)
+    top = max(task.priority for task in moved if task.kind is Kind.TASK) + 1
+    for at, task in enumerate(moved):
+        if task.kind is not Kind.TASK and task.priority < top:
+            moved[at] = changed(task, priority=top)
+    return with_blocking(moved)
+
+
+def _meets(at: int, moved: Sequence[Task], known: Known, steps: int, place: int = -1) -> bool:
+    """Whether one task meets its deadline; answers that depend on the same things are kept. `place` is that of the task
+    which moves: all that others see of its priority is whether it reaches theirs."""
+    task = moved[at]
+    if task.kind is not Kind.TASK:
+        return True
+    key = (at, task.priority if place < 0 else moved[place].priority >= task.priority, task.blocking)
+    if key not in known:
+        others = Interference()
+        for other in moved:
+            if other.priority >= task.priority and other is not task:
+                others.add(other.interferer)
+        known[key] = meets_deadline(task, others, Budget(steps))
+    return known[key]
