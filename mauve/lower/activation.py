@@ -14,11 +14,11 @@ point.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence, Set
 from fractions import Fraction
 from math import ceil
 
-from mauve.lower.placed import NodeTasks, PlacedTask
+from mauve.lower.placed import NodeTasks, PlacedTask, Wait
 from mauve.lower.suspension import suspended, wait_times
 from mauve.model.model import Deployment, Instance
 from mauve.model.periods import instance_period
@@ -120,12 +120,18 @@ def _next(
     )
     endless = state.endless | {one.task.name for node in updated for one in node.tasks if _endless(one, wakers)}
     woken = {name for name, ws in wakers.items() if name in endless or any(w.response(known) is None for w in ws)}
+    there = {one.task.name for one in tasks} - lost
     stuck = {
         one.task.name
         for one in tasks
-        if one.waits and (one.task.name in lost or any(task in lost for w in one.waits for task, _ in w.servers))
+        if one.waits and (one.task.name in lost or any(not _answered(wait, there) for wait in one.waits))
     }
     return _State(updated, known if waiting else {}, lost, endless, frozenset(woken), frozenset(stuck))
+
+
+def _answered(wait: Wait, there: Set[str]) -> bool:
+    """Whether all tasks that may carry out an operation are there and have a bound on their response."""
+    return bool(wait.servers) and all(task in there for task, _ in wait.servers)
 
 
 def _waits_forever(placed: PlacedTask, response: int | None) -> bool:
