@@ -134,13 +134,18 @@ class Programs:
         return flow
 
     def _run(self, entry: int, deadline: float | None) -> ProgramFlow | None:
-        """The program executed from its linked data; None where that could not go on to its end."""
+        """The program executed from its linked data; None where that could not go on to its end, and where facts assume
+        ranges: a run knows values or nothing, the other analyses know ranges."""
         from mauve.wcet.flow.run.program import Source, run_program
 
+        assumed = self._given.assumed
+        if assumed.arguments or any(stretch.width for stretch in assumed.memory):
+            return None
+        unknown = [(stretch.start, stretch.end) for stretch in assumed.memory]
         found: dict[int, frozenset[int]] = {}
         for _ in range(RUNS):
             functions = self._functions({address: tuple(sorted(targets)) for address, targets in found.items()})
-            ran = run_program(Source(functions, entry), entry, deadline)
+            ran = run_program(Source(functions, entry), entry, deadline, unknown=unknown)
             if ran.flows is not None:
                 return _with_facts(ran, self._given)
             grown = {at: found.get(at, frozenset()) | more for at, more in ran.targets.items()}
@@ -300,8 +305,9 @@ def _with_facts(ran: Ran, given: Given) -> ProgramFlow:
         notes |= dict.fromkeys(given.compare(flow.cfg, flow.nest, {k: b.bound for k, b in flow.bounds.items()}))
         bounds = {k: min(b, stated.bounds.get(k, b), key=lambda bound: bound.bound) for k, b in flow.bounds.items()}
         flows[key] = replace(flow, bounds=bounds) if stated.bounds else flow
-    assumptions = (*ASSUMPTIONS, RAN)
-    return ProgramFlow(ran.entry, flows, tuple(problems), (*notes, *given.unused(matched)), assumptions)
+    assumptions = (*ASSUMPTIONS, RAN, *given.assumed.sentences)
+    remarks = (*notes, *given.unused(matched), *given.assumed.problems)
+    return ProgramFlow(ran.entry, flows, tuple(problems), remarks, assumptions)
 
 
 RAN = "the program starts with the data it is linked with, and runs once"

@@ -8,6 +8,7 @@ paths are followed apart, `journal` keeps the words that one of them replaced.
 from __future__ import annotations
 
 from bisect import bisect_right
+from collections.abc import Sequence
 
 from mauve.wcet.binary.elf import Binary
 from mauve.wcet.flow.run.words import MASK, UNKNOWN, Stack, Word, merge
@@ -24,9 +25,10 @@ class Lost(Exception):
 
 class Memory:
     """See the module's description. `low` and `high` are the first and last byte that each site (an access of one
-    instruction) touched outside the stack, `wild` the sites that also touched something else."""
+    instruction) touched outside the stack, `wild` the sites that also touched something else. `unknown` are stretches
+    of addresses (from the first up to but without the second) that do not start with what the binary holds."""
 
-    def __init__(self, binary: Binary, unaligned: bool) -> None:
+    def __init__(self, binary: Binary, unaligned: bool, unknown: Sequence[tuple[int, int]] = ()) -> None:
         self.cells: dict[int, Cell | None] = {}
         self.journal: dict[int, Cell | None] | None = None
         self.low: list[int] = []
@@ -35,6 +37,7 @@ class Memory:
         self._segments = sorted(binary.segments, key=lambda segment: segment.address)
         self._starts = [segment.address for segment in self._segments]
         self._unaligned = unaligned
+        self._unknown = tuple(unknown)
 
     def site(self) -> int:
         """A number for one more access."""
@@ -147,7 +150,13 @@ class Memory:
         if key >= segment.end:
             return UNKNOWN
         data = segment.data[key - segment.address : key - segment.address + 4]
-        return int.from_bytes(data.ljust(4, b"\0"), "little")
+        word = int.from_bytes(data.ljust(4, b"\0"), "little")
+        if any(start < key + 4 and key < end for start, end in self._unknown):
+            known = bytes_of(word)
+            return [
+                UNKNOWN if any(start <= key + i < end for start, end in self._unknown) else known[i] for i in range(4)
+            ]
+        return word
 
     def _writable(self, key: int) -> bool:
         """Whether a word is the program's to write; not so a device. Raises Lost for code and constants."""
@@ -246,5 +255,3 @@ def _merged(values: list[Cell]) -> Cell:
     for other in bytes_[1:]:
         result = [merge(a, b) for a, b in zip(result, other, strict=True)]
     return result if any(type(byte) is int for byte in result) else UNKNOWN
-
-

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Protocol
 
@@ -84,10 +84,16 @@ class Source:
         )
 
 
-def run_program(source: Source, entry: int, deadline: float | None, most: int = MOST) -> Ran:
+def run_program(
+    source: Source,
+    entry: int,
+    deadline: float | None,
+    most: int = MOST,
+    unknown: Sequence[tuple[int, int]] = (),
+) -> Ran:
     """Run a program from `entry` (a key) with its linked data, unknown registers and an unknown stack; `most` contexts
-    of a function are told apart."""
-    memory, behaviours = Memory(source.binary, source.unaligned), Behaviours(most)
+    of a function are told apart. `unknown` are stretches of data of which the linked content does not count."""
+    memory, behaviours = Memory(source.binary, source.unaligned, unknown), Behaviours(most)
     machine = Machine(source, memory, behaviours, STEPS, deadline)
     key: ContextKey = (entry, "")
     try:
