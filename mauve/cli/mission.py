@@ -84,7 +84,8 @@ def _emit(arguments: Namespace, result: MissionResult, holds: bool) -> int:
     from mauve.report.mission_emit import OF_GRAPH, emit_mission
 
     if arguments.emit in OF_GRAPH and result.graph is None:
-        print(f"mauvec: the mission {result.mission.name} has too many states for one graph", file=sys.stderr)
+        why = "has too many states for one graph" if result.exceeded else "is not sound: it has no graph"
+        print(f"mauvec: the mission {result.mission.name} {why}", file=sys.stderr)
         return 1
     if not arguments.output:
         sys.stdout.write(emit_mission(arguments.emit, result))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 from argparse import Namespace
+from io import TextIOWrapper
 
 from mauve.cli.output import wrong_usage
 from mauve.lower.mission import plan
@@ -47,6 +48,8 @@ def _typed(session: Session, terminal: bool) -> int:
     if terminal:
         sys.stdout.write(HELP)
     refused = False
+    if isinstance(sys.stdin, TextIOWrapper):
+        sys.stdin.reconfigure(errors="replace")
     while True:
         if terminal:
             print(f"possible: {', '.join(possible(session)) or 'nothing'}")

@@ -11,7 +11,7 @@ from random import Random
 
 from mauve.mission.graph import AlternativesGraph, Confluence, Fired, view
 from mauve.mission.net import Level
-from mauve.mission.stable import LONGEST, EndlessCascade, Masks, armed, bits, masks
+from mauve.mission.stable import LONGEST, Masks, armed, bits, masks
 from mauve.records import record
 
 BUDGET = 1_000_000
@@ -227,7 +227,7 @@ def _random_orders(table: Masks, state: int, events: list[int], orders: int, ran
             live = live & ~table.disarmed[index] | table.armed[index]
             order.append(index)
             if len(order) > LONGEST:
-                raise EndlessCascade(index)
+                return _Spread(ends, 0, markings + len(order), unsafe, endless=True)
             candidates |= table.wakes[index]
         markings += len(order)
         ends.setdefault(marking, tuple(order))

@@ -60,6 +60,9 @@ def check_deterministic(seen: Survey, confluence: Confluence) -> Verdict:
         return Verdict(
             "deterministic", False, (*trace(seen, first.state), first.event), f"ends in {one}, or in {other}"
         )
+    if confluence.endless:
+        note = f"what follows {confluence.endless[0]} need not come to an end"
+        return Verdict("deterministic", False, (), note)
     if not confluence.complete:
         return Verdict("deterministic", None, (), _incomplete(confluence))
     return Verdict("deterministic", True)

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from mauve.mission.graph import StateView, view
 from mauve.mission.net import Event, EventKind, Level, Net
-from mauve.mission.stable import Masks, cascade, initial_marking, masks
+from mauve.mission.stable import Masks, Unsound, cascade, initial_marking, masks
 from mauve.records import changed, record
 
 __all__ = ["Change", "Refused", "Session", "Stepped", "begin", "possible", "script", "step", "told"]
@@ -92,7 +92,10 @@ def step(session: Session, typed: str) -> Stepped | Refused:
         return Refused(typed, known, possible(session))
     for at, one in enumerate(session.net.transitions):
         if one.level is Level.EVENT and one.event == known.name and not session.table.before[at] & ~session.marking:
-            done = cascade(session.table, session.marking, at)
+            try:
+                done = cascade(session.table, session.marking, at)
+            except Unsound:
+                return Refused(known.name, "activities that need each other's products would wait for ever", ())
             after = changed(session, marking=done.result)
             return Stepped(known.name, after, _change(session.view, after.view), len(done.fired))
     return Refused(known.name, _reason(session.view, known), possible(session))

@@ -23,12 +23,24 @@ LONGEST = 1_000_000
 """Transitions in one cascade; a net of the templates has none that is longer than a few hundred."""
 
 
-class Unsafe(Exception):
-    """A transition would fill a place that holds its token: the net is not 1-safe. A bug of a template."""
+class Unsound(Exception):
+    """A cascade that no controller could execute; only missions whose activities need each other's products have one.
+
+    run: the events that lead there, that of the cascade included, as far as they are known.
+    """
+
+    def __init__(self, transition: int, run: tuple[str, ...] = ()) -> None:
+        super().__init__(transition, run)
+        self.transition = transition
+        self.run = run
 
 
-class EndlessCascade(Exception):
-    """The transitions after an event never come to an end. A bug of a template."""
+class Unsafe(Unsound):
+    """A transition would fill a place that holds its token: the net is not 1-safe."""
+
+
+class EndlessCascade(Unsound):
+    """The transitions after an event never come to an end."""
 
 
 @record
@@ -247,7 +259,7 @@ def initial_marking(net: Net) -> int:
 def alternatives_graph(net: Net, budget: int = BUDGET) -> AlternativesGraph | BudgetExceeded:
     """All stable states that events can lead to, and the edges between them; at most `budget` states.
 
-    The initial marking must be stable. Raises Unsafe and EndlessCascade.
+    The initial marking must be stable. Raises Unsafe and EndlessCascade, with a shortest run to it.
     """
     controller = Controller(net)
     starts = controller.starts
@@ -272,7 +284,11 @@ def alternatives_graph(net: Net, budget: int = BUDGET) -> AlternativesGraph | Bu
                     if step is not None:
                         break
                 if step is None:
-                    step = controller.learn(event, start, state, known)
+                    try:
+                        step = controller.learn(event, start, state, known)
+                    except Unsound as error:
+                        run = (*_run(net, len(first) - 1, first, events, targets), net.events[event].name)
+                        raise type(error)(error.transition, run) from None
                 kept, filled, rule = step
                 after = state & kept | filled
                 target = index.get(after)
@@ -286,6 +302,19 @@ def alternatives_graph(net: Net, budget: int = BUDGET) -> AlternativesGraph | Bu
                 add_rule(rule)
         first.append(len(events))
     return AlternativesGraph(net, tuple(states), first, events, targets, used, tuple(controller.rules))
+
+
+def _run(net: Net, state: int, first: array[int], events: array[int], targets: array[int]) -> tuple[str, ...]:
+    """The events by which the states of a graph in the making led to one of them first."""
+    came: dict[int, tuple[int, int]] = {}
+    for source in range(len(first) - 1):
+        for edge in range(first[source], first[source + 1]):
+            came.setdefault(targets[edge], (source, events[edge]))
+    run = []
+    while state:
+        state, event = came[state]
+        run.append(net.events[event].name)
+    return tuple(reversed(run))
 
 
 def multipliers(net: Net, states: list[int], sample: int = 100_000) -> tuple[tuple[str, int], ...]:

@@ -16,8 +16,10 @@ def mission_lines(result: MissionResult, style: Style, limit: int | None) -> Ite
     yield style.paint(Role.MESSAGE, f"mission {name}")
     if result.graph is not None:
         yield f"  {grouped(len(result.graph.markings))} stable states, {grouped(len(result.graph.events))} transitions"
-    else:
+    elif result.exceeded is not None:
         yield f"  too many states for one graph; {len(result.local)} objectives on graphs of their own"
+    else:
+        yield "  no graph: the mission is not sound"
     words = {True: "holds", False: "fails", None: "undecided"}
     yield "  " + "; ".join(f"{verdict.name} {words[verdict.holds]}" for verdict in result.verdicts)
     if not result.cuts:

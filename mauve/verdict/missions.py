@@ -17,8 +17,9 @@ from mauve.mission.graph import AlternativesGraph, BudgetExceeded, Confluence, L
 from mauve.mission.net import Net
 from mauve.mission.plan import Mission as Plan
 from mauve.mission.properties import ALWAYS, Analysis, analyse
-from mauve.mission.stable import alternatives_graph
+from mauve.mission.stable import Unsafe, Unsound, alternatives_graph
 from mauve.mission.templates import build_net
+from mauve.mission.verify import production_cycles
 from mauve.model.mission_tree import Dependence
 from mauve.model.missions import Claim, Ltl, Mission
 from mauve.records import changed, record
@@ -58,7 +59,7 @@ class LocalResult:
 @record
 class MissionResult:
     """All that was found about a mission. `graph` and `analysis` are None where the states were too many; then
-    `exceeded` says so and `local` has the objectives. `verdicts` begins with those that every mission gets, then has
+    `exceeded` says so and `local` has the objectives; or where the net is not sound, as the verdicts say. `verdicts` begins with those that every mission gets, then has
     what was asked besides; `cuts` are the minimal sets of devices without which the mission cannot succeed."""
 
     mission: Mission
@@ -96,21 +97,28 @@ def check_mission(mission: Mission, options: MissionOptions) -> MissionResult:
     net = build_net(plan_)
     asked = properties(mission)
     rivals = contentions(plan_)
-    found = _graph(net, plan_, options.states)
+    wanted = tuple(property_ for property_, _ in asked)
     markings: MarkingsGraph | BudgetExceeded | None = None
     if options.markings:
         from mauve.mission.markings import markings_graph
 
         markings = markings_graph(net)
-    wanted = tuple(property_ for property_, _ in asked)
-    if isinstance(found, BudgetExceeded):
-        result = _by_objectives(mission, plan_, wanted)
-        graph, exceeded, shown, analysis, local, verdicts, cuts = None, found, None, None, *result
-    else:
-        graph, exceeded, local = found, None, ()
-        shown = confluence(graph)
-        analysis = analyse(graph, shown, wanted)
-        verdicts, cuts = analysis.verdicts, analysis.cuts if analysis.cuts is not None else _static_cuts(mission)
+    graph: AlternativesGraph | None = None
+    exceeded: BudgetExceeded | None = None
+    shown: Confluence | None = None
+    analysis: Analysis | None = None
+    local: tuple[LocalResult, ...] = ()
+    try:
+        found = _graph(net, plan_, options.states)
+        if isinstance(found, BudgetExceeded):
+            exceeded = found
+            local, verdicts, cuts = _by_objectives(mission, plan_, wanted)
+        else:
+            graph, shown = found, confluence(found)
+            analysis = analyse(graph, shown, wanted)
+            verdicts, cuts = analysis.verdicts, analysis.cuts if analysis.cuts is not None else _static_cuts(mission)
+    except Unsound as error:
+        verdicts, cuts = _unsound(error, plan_, wanted), _static_cuts(mission)
     order = tuple(dict.fromkeys((*ALWAYS, *wanted)))
     by_property = dict(zip(order, verdicts, strict=True))
     answers = tuple(Asked(by_property[property_], written) for property_, written in asked)
@@ -126,6 +134,21 @@ def _graph(net: Net, plan_: Plan, budget: int) -> AlternativesGraph | BudgetExce
     if len(devices) > budget.bit_length() or 1 << len(devices) > budget:
         return BudgetExceeded(budget, tuple((name, 2000) for name in devices))
     return alternatives_graph(net, budget)
+
+
+def _unsound(error: Unsound, plan_: Plan, wanted: Sequence[f.Property]) -> tuple[f.Verdict, ...]:
+    """The verdicts of a mission without a graph, since a cascade breaks the net: what it breaks, and nothing else."""
+    unsafe = isinstance(error, Unsafe)
+    broken = f.Bounded() if unsafe else f.Deterministic()
+    what = "two requests meet in one place" if unsafe else "what follows the last event never comes to an end"
+    cycles = production_cycles(plan_)
+    why = f": {' needs '.join((*cycles[0], cycles[0][0]))}" if cycles else ""
+    return tuple(
+        f.Verdict(_name(one), False, error.run, what + why)
+        if one == broken
+        else f.Verdict(_name(one), None, (), f"not looked at: the mission is not {_name(broken)}")
+        for one in dict.fromkeys((*ALWAYS, *wanted))
+    )
 
 
 def _static_cuts(mission: Mission) -> tuple[tuple[str, ...], ...]:
