@@ -59,8 +59,9 @@ class LocalResult:
 @record
 class MissionResult:
     """All that was found about a mission. `graph` and `analysis` are None where the states were too many; then
-    `exceeded` says so and `local` has the objectives; or where the net is not sound, as the verdicts say. `verdicts` begins with those that every mission gets, then has
-    what was asked besides; `cuts` are the minimal sets of devices without which the mission cannot succeed."""
+    `exceeded` says so and `local` has the objectives; or where the net is not sound, as the verdicts say. `verdicts`
+    begins with those that every mission gets, then has what was asked besides; `cuts` are the minimal sets of devices
+    without which the mission cannot succeed."""
 
     mission: Mission
     plan: Plan

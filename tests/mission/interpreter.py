@@ -167,7 +167,8 @@ class Interpreter:
         """Whether all it consumes is to be had; producers start for it."""
         if self.lost & set(way.consumes):
             return False
-        return all([self._provided(one) for one in way.consumes if one not in self.hardware])
+        provided = [self._provided(one) for one in way.consumes if one not in self.hardware]
+        return all(provided)
 
     def _provided(self, resource: str) -> bool:
         maker = self.maker[resource]

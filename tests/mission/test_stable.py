@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import pytest
+
 from mauve.mission.graph import AlternativesGraph, BudgetExceeded
 from mauve.mission.markings import Explored, explore
 from mauve.mission.net import Level
-from mauve.mission.stable import alternatives_graph, cascade, masks
+from mauve.mission.stable import Unsafe, alternatives_graph, cascade, masks
 from mauve.mission.templates import build_net
 from mauve.mission.verify import faults, verify
-from tests.mission.build import graph_of
+from tests.mission.build import does, graph_of, mission, ways
 from tests.mission.coral import coral
 from tests.mission.random_missions import random_mission
 
@@ -85,3 +87,17 @@ def test_the_net_of_a_mission_has_the_shape_it_should() -> None:
     for plan in (coral(), coral(shared=True), *(random_mission(seed) for seed in range(25))):
         assert not faults(plan)
         assert not verify(build_net(plan))
+
+
+def test_the_exception_carries_a_shortest_run() -> None:
+    plan = mission(
+        does("O", "u"),
+        does("P", "u"),
+        activities=(ways("a", ("H", "s"), ("t", "s"), upgrade=True), ways("b", ("s", "t")), ways("u", ("s t", ""))),
+        software="",
+        shared="s t",
+        hardware="H",
+    )
+    with pytest.raises(Unsafe) as caught:
+        alternatives_graph(build_net(plan))
+    assert caught.value.run[0] in ("MISSION_EV_START", "H_EV_OOS")

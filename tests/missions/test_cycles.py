@@ -10,10 +10,6 @@ from pathlib import Path
 import pytest
 
 from mauve.cli import main
-from mauve.mission.stable import Unsafe, alternatives_graph
-from mauve.mission.templates import build_net
-
-from ..mission.build import does, mission, ways
 
 BOTH = """mauve 1
 hardware H: x may fail, may recover
@@ -63,20 +59,6 @@ def test_the_simulation_refuses_the_event(cyclic: str, tmp_path: Path, capsys: p
     script.write_text("\n".join(RUN), encoding="utf-8")
     assert main(["mission", cyclic, "--simulate", "--events", str(script)]) == 1
     assert "H_EV_RD: refused, activities that need each other's products" in capsys.readouterr().out
-
-
-def test_the_exception_carries_a_shortest_run() -> None:
-    plan = mission(
-        does("O", "u"),
-        does("P", "u"),
-        activities=(ways("a", ("H", "s"), ("t", "s"), upgrade=True), ways("b", ("s", "t")), ways("u", ("s t", ""))),
-        software="",
-        shared="s t",
-        hardware="H",
-    )
-    with pytest.raises(Unsafe) as caught:
-        alternatives_graph(build_net(plan))
-    assert caught.value.run[0] in ("MISSION_EV_START", "H_EV_OOS")
 
 
 def test_bytes_that_are_no_text_are_refused_events(cyclic: str) -> None:
