@@ -143,6 +143,7 @@ class Programs:
             return None
         unknown = [(stretch.start, stretch.end) for stretch in assumed.memory]
         found: dict[int, frozenset[int]] = {}
+        unknown = [(stretch.start, stretch.end - 1) for stretch in self._given.assumed.memory]
         for _ in range(RUNS):
             functions = self._functions({address: tuple(sorted(targets)) for address, targets in found.items()})
             ran = run_program(Source(functions, entry), entry, deadline, unknown=unknown)
