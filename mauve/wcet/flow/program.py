@@ -113,8 +113,7 @@ class Programs:
         problems in the result; no input makes this raise.
         """
         deadline = self._limits.deadline if timeout is None else monotonic() + timeout
-        if self._initial_data and not self._given.assumed.memory:
-            # A run knows the linked data only: where facts speak of memory, it would be one execution of many.
+        if self._initial_data:
             ran = self._run(entry_key, deadline)
             if ran is not None:
                 return ran
@@ -143,7 +142,6 @@ class Programs:
             return None
         unknown = [(stretch.start, stretch.end) for stretch in assumed.memory]
         found: dict[int, frozenset[int]] = {}
-        unknown = [(stretch.start, stretch.end - 1) for stretch in self._given.assumed.memory]
         for _ in range(RUNS):
             functions = self._functions({address: tuple(sorted(targets)) for address, targets in found.items()})
             ran = run_program(Source(functions, entry), entry, deadline, unknown=unknown)
@@ -307,7 +305,7 @@ def _with_facts(ran: Ran, given: Given) -> ProgramFlow:
         bounds = {k: min(b, stated.bounds.get(k, b), key=lambda bound: bound.bound) for k, b in flow.bounds.items()}
         flows[key] = replace(flow, bounds=bounds) if stated.bounds else flow
     assumptions = (*ASSUMPTIONS, RAN, *given.assumed.sentences)
-    remarks = (*notes, *given.unused(matched), *given.assumed.problems)
+    remarks = (*notes, *given.unused(matched))
     return ProgramFlow(ran.entry, flows, tuple(problems), remarks, assumptions)
 
 

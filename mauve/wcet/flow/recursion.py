@@ -37,9 +37,10 @@ class Unrolled:
 def unroll(entry: ContextKey, flows: Mapping[ContextKey, FunctionFlow], depths: Mapping[int, int]) -> Unrolled:
     """The contexts without circles. `depths`: the greatest number of activations under way, by function. A circle that
     no function of `depths` is on is a problem."""
-    keys = list(flows)
+    # Callers come first, so that a way round is told from the function that is called first.
+    keys = [*flows][::-1]
     numbers = {key: number for number, key in enumerate(keys)}
-    following = [[numbers[callee] for callee in _callees(flow) if callee in numbers] for flow in flows.values()]
+    following = [[numbers[callee] for callee in _callees(flows[key]) if callee in numbers] for key in keys]
     circle: dict[ContextKey, int] = {}
     most: list[int] = []
     problems: list[Problem] = []

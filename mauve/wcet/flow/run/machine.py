@@ -81,7 +81,8 @@ class Frame:
 
 
 class Machine:
-    """One run. `limit` bounds the instructions executed, `deadline` the time (of time.monotonic)."""
+    """One run. `limit` bounds the instructions executed, `deadline` the time (of time.monotonic). `forked` are the
+    blocks, by function, from which several ways were followed."""
 
     def __init__(
         self, source: Any, memory: Memory, behaviours: Behaviours, limit: int, deadline: float | None
@@ -94,6 +95,7 @@ class Machine:
         self.steps, self.limit, self.deadline = 0, limit, deadline
         self.targets: dict[int, set[int]] = {}
         self.depth = self.forks = 0
+        self.forked: set[tuple[int, int]] = set()
         self.active: dict[int, int] = {}
 
     def run(self, entry: int) -> int:
@@ -305,6 +307,7 @@ class Machine:
             function.meetings = meeting_points(function.cfg)
         meeting = function.meetings[block]
         self.forks += 1
+        self.forked.add((function.key, block))
         if self.forks > MOST_FORKS:
             raise Lost("a loop goes on for as long as an unknown value says")
         frame.open[block] = frame.open.get(block, 0) + 1

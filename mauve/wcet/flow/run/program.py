@@ -130,7 +130,7 @@ def _flows(
     flows = {}
     for number in numbers:
         mine = behaviours.all[number]
-        flows[names[number]] = _flow(mine, graphs[mine.function.key], names, accesses)
+        flows[names[number]] = _flow(mine, graphs[mine.function.key], names, accesses, machine)
     return flows, names[start]
 
 
@@ -161,14 +161,19 @@ def _flow(
     cfg: Cfg,
     names: Mapping[int, ContextKey],
     accesses: Mapping[int, dict[tuple[int, int], AddressRange]],
+    machine: Machine,
 ) -> FunctionFlow:
     function: Function = mine.function
     bounds = {}
     for loop in function.nest.loops:
         if mine.most[loop.id]:
-            total = sum(mine.counts[edge] for edge in (*loop.entry_edges, *loop.back_edges))
-            total += loop.header == function.cfg.entry
-            bounds[loop.id] = LoopBound(mine.most[loop.id], Origin.ANALYSIS, METHOD, total)
+            entries = sum(mine.counts[edge] for edge in loop.entry_edges) + (loop.header == function.cfg.entry)
+            total = entries + sum(mine.counts[edge] for edge in loop.back_edges)
+            most = mine.most[loop.id]
+            # Where unknown values decide, a run goes on for longer than an execution may.
+            if any((function.key, block) in machine.forked for block in loop.blocks):
+                most = min(most, machine.source.bound(function.key, loop.id) or most)
+            bounds[loop.id] = LoopBound(most, Origin.ANALYSIS, METHOD, min(total, entries * most))
     calls = {edge: tuple(sorted(names[callee] for callee in callees)) for edge, callees in mine.calls.items()}
     never = frozenset(index for index, count in enumerate(mine.counts) if not count)
     return FunctionFlow(
