@@ -59,7 +59,7 @@ def _line(name: str, rows: Sequence[Row]) -> str:
     loops = [loop for row in rows for loop in row.get("loops", ())]
     known = [loop for loop in loops if not unbounded(loop)]
     ratios = [row["cycles"] / row["walked"] for row in rows if row.get("cycles") and row.get("walked")]
-    seconds = [row["seconds"] for row in rows]
+    seconds = [row["seconds"] for row in rows if "seconds" in row]
     cells = (
         name,
         len(rows),
