@@ -9,14 +9,14 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 from emulator import Argument, Emulator
 
 from mauve.wcet.binary.graph import EXIT, EdgeKind
 from mauve.wcet.binary.microop import Condition, Load, Store
-from mauve.wcet.flow.result import ContextKey, FunctionFlow, ProgramFlow
+from mauve.wcet.flow.result import AddressRange, ContextKey, FunctionFlow, ProgramFlow
 from mauve.wcet.ipet.bottom_up import FunctionBound
 
 RETURN_TO = 0x7000_0000
@@ -79,7 +79,28 @@ class _Plan:
     ranges: dict[int, list[tuple[int, int]]]
 
 
-def _plan(flow: FunctionFlow, bounds: Sequence[FunctionBound | None]) -> _Plan:
+def united(flows: Sequence[FunctionFlow]) -> FunctionFlow:
+    """What holds in one of some contexts of a function, whichever it is."""
+    first = flows[0]
+    if len(flows) == 1:
+        return first
+    bounds, calls = {}, {}
+    for loop in {loop for flow in flows for loop in flow.bounds}:
+        mine = [flow.bounds[loop] for flow in flows if loop in flow.bounds]
+        totals = [bound.total for bound in mine]
+        total = None if None in totals else max(total for total in totals if total is not None)
+        bounds[loop] = replace(max(mine, key=lambda bound: bound.bound), total=total)
+    for edge in {edge for flow in flows for edge in flow.calls}:
+        calls[edge] = tuple(dict.fromkeys(name for flow in flows for name in flow.calls.get(edge, ())))
+    accesses = {}
+    for key in set.intersection(*(set(flow.accesses) for flow in flows)):
+        ranges = [flow.accesses[key] for flow in flows]
+        accesses[key] = AddressRange(min(r.low for r in ranges), max(r.high for r in ranges))
+    infeasible = frozenset.intersection(*(flow.infeasible for flow in flows))
+    return replace(first, bounds=bounds, infeasible=infeasible, calls=calls, accesses=accesses)
+
+
+def _plan(flow: FunctionFlow, bounds: Sequence[tuple[int, ...]]) -> _Plan:
     edges, enters, repeats = defaultdict(list), defaultdict(list), defaultdict(list)
     for index, edge in enumerate(flow.cfg.edges):
         edges[edge.source].append(index)
@@ -94,7 +115,7 @@ def _plan(flow: FunctionFlow, bounds: Sequence[FunctionBound | None]) -> _Plan:
             keys = [(instruction.address, k) for k, op in enumerate(instruction.ops) if isinstance(op, Load | Store)]
             if keys and all(key in flow.accesses for key in keys):
                 ranges[instruction.address] = [(flow.accesses[key].low, flow.accesses[key].high) for key in keys]
-    own = tuple(b.own if b is not None else () for b in bounds)
+    own = tuple(bounds)
     addresses = [tuple(i.address for i in block.instructions) for block in flow.cfg.blocks]
     steps = [
         tuple((i.address, i.thumb and i.condition is not Condition.AL) for i in block.instructions)
@@ -107,7 +128,7 @@ def _plan(flow: FunctionFlow, bounds: Sequence[FunctionBound | None]) -> _Plan:
 class _Frame:
     """One execution of a function: where it is, and how often its loops ran since they were entered, and in all."""
 
-    name: ContextKey
+    names: tuple[ContextKey, ...]
     plan: _Plan
     block: int
     back_to: frozenset[int]
@@ -127,7 +148,7 @@ class Replay:
     bounds: Sequence[Mapping[ContextKey, FunctionBound]]
     wrong: list[str] = field(default_factory=list)
     seen: dict[tuple[ContextKey, int], tuple[int, int]] = field(default_factory=dict)
-    _plans: dict[ContextKey, _Plan] = field(default_factory=dict)
+    _plans: dict[tuple[ContextKey, ...], _Plan] = field(default_factory=dict)
 
     @property
     def holes(self) -> bool:
@@ -137,7 +158,7 @@ class Replay:
     def walk(self, run: Recording) -> tuple[int, ...] | None:
         """The cycles of an execution on every board, by the costs of its edges; None where it leaves the graphs."""
         cycles = [0] * len(self.bounds)
-        frames = [self._enter(self.program.entry, frozenset({RETURN_TO}))]
+        frames = [self._enter((self.program.entry,), frozenset({RETURN_TO}))]
         at, trace = 0, run.addresses
         while frames:
             frame = frames[-1]
@@ -197,15 +218,23 @@ class Replay:
                 return None
         return at
 
-    def _enter(self, name: ContextKey, back_to: frozenset[int]) -> _Frame:
-        if name not in self._plans:
-            self._plans[name] = _plan(self.program.functions[name], [b.get(name) for b in self.bounds])
-        plan = self._plans[name]
-        frame = _Frame(name, plan, plan.flow.cfg.entry, back_to)
+    def _enter(self, names: tuple[ContextKey, ...], back_to: frozenset[int]) -> _Frame:
+        """The frame of a function in one of some contexts: where a run tells calls apart by what they do, it is not
+        known before in which."""
+        if names not in self._plans:
+            flows = [self.program.functions[name] for name in names]
+            self._plans[names] = _plan(united(flows), [self._costs(bounds, names) for bounds in self.bounds])
+        plan = self._plans[names]
+        frame = _Frame(names, plan, plan.flow.cfg.entry, back_to)
         for number, loop in enumerate(plan.flow.nest.loops):
             if loop.header == plan.flow.cfg.entry:
                 self._count(frame, number, 1)
         return frame
+
+    def _costs(self, bounds: Mapping[ContextKey, FunctionBound], names: tuple[ContextKey, ...]) -> tuple[int, ...]:
+        """The greatest cycles of every edge."""
+        own = [bounds[name].own for name in names if name in bounds]
+        return tuple(map(max, zip(*own, strict=True))) if len(own) > 1 else tuple(own[0]) if own else ()
 
     def _called(self, frame: _Frame, edges: list[int], callee: int) -> _Frame | None:
         """The frame of a callee; a tail call returns where its caller would. None where the analysis says nothing of
@@ -215,10 +244,12 @@ class Replay:
                 self._tell(frame, f"{callee:#x} is called, which was not analysed")
             return None
         all_edges = frame.plan.flow.cfg.edges
-        keys = all_edges[edges[0]].callees
-        (which,) = (k for k, key in enumerate(keys) if key & ~1 == callee)
         back = frozenset(frame.plan.addresses[all_edges[e].target][0] for e in edges if all_edges[e].target != EXIT)
-        return self._enter(frame.plan.flow.calls[edges[0]][which], back or frame.back_to)
+        names = tuple(name for name in frame.plan.flow.calls[edges[0]] if name[0] & ~1 == callee)
+        if not names:
+            self._tell(frame, f"{callee:#x} is called, for which there is no context")
+            return None
+        return self._enter(names, back or frame.back_to)
 
     def _fitting(self, frame: _Frame, following: int) -> list[int]:
         """The edges of a block that go on at an address."""
@@ -265,10 +296,12 @@ class Replay:
     def _count(self, frame: _Frame, number: int, count: int) -> None:
         frame.counts[number] = count
         frame.totals[number] += 1
-        per_entry, total = self.seen.get((frame.name, number), (0, 0))
+        per_entry, total = self.seen.get((frame.names[0], number), (0, 0))
         bound = frame.plan.flow.bounds.get(number)
         if count > per_entry or frame.totals[number] > total:
-            self.seen[frame.name, number] = max(per_entry, count), max(total, frame.totals[number])
+            for name in frame.names:
+                before = self.seen.get((name, number), (0, 0))
+                self.seen[name, number] = max(before[0], count), max(before[1], frame.totals[number])
             header = frame.plan.addresses[frame.plan.flow.nest.loops[number].header][0]
             if bound is not None and count > bound.bound:
                 self._tell(frame, f"loop {header:#x} ran {count} times, bound {bound.bound} ({bound.method})")
@@ -284,7 +317,7 @@ class Replay:
 
     def _tell(self, frame: _Frame, what: str) -> None:
         cfg = frame.plan.flow.cfg
-        text = f"{cfg.name}[{frame.name[1]}]: {what}"
+        text = f"{cfg.name}[{frame.names[0][1]}]: {what}"
         if self.holes:
             return
         if text not in self.wrong and len(self.wrong) < 20:
