@@ -80,7 +80,7 @@ def verdict(row: Row) -> str:
     if row["traceback"]:
         return "traceback"
     above = row["cycles"] is not None and max(row.get("walked", 0), row.get("timed", 0)) > row["cycles"]
-    if above or row.get("wrong") or row.get("outside"):
+    if above or row.get("wrong") or (row.get("outside") and row["bounded"]):
         return "UNSOUND"
     if row["bounded"]:
         return "bounded"
