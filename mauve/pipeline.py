@@ -31,6 +31,7 @@ from mauve.timing.response import Method
 from mauve.verdict.deadlines import report_expectation, report_node
 from mauve.verdict.derivation import Derivation, declared_handlers
 from mauve.verdict.flows import check_flows, report_flows
+from mauve.verdict.globals import check_globals
 from mauve.verdict.result import CheckResult, DeploymentResult, NodeResult
 
 if TYPE_CHECKING:
@@ -138,6 +139,7 @@ def check_deployment(
             report_node(deployment, node.tasks, node.analysis, report)
     for overflow in result.overflows:
         report.add(overflow)
+    check_globals([node.tasks for node in result.nodes], result.codels, report)
     report_flows(deployment, result.flows, report)
     for modes in result.modes:
         from mauve.verdict.mode_messages import report_modes

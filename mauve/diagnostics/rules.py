@@ -64,6 +64,7 @@ RULES: dict[str, Rule] = {
         Rule("MV213", "unbounded-queue", ERROR),
         Rule("MV214", "data-race", ERROR),
         Rule("MV216", "flow-path", ERROR),
+        Rule("MV217", "global-race", WARNING),
         # 3 behaviour
         Rule("MV301", "unreachable-state", ERROR),
         Rule("MV302", "initial-state", ERROR),

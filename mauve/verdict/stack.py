@@ -7,6 +7,7 @@ from collections.abc import Iterable
 from mauve.lower.codels import CodelTime
 from mauve.lower.placed import PlacedTask
 from mauve.records import record
+from mauve.verdict.globals import executes
 
 
 @record
@@ -20,12 +21,9 @@ class StackUse:
 
 def stack_use(placed: PlacedTask, codels: Iterable[CodelTime]) -> StackUse | None:
     """The stack of a task whose codels are called one after the other; None for one that executes none."""
-    regions = {machine.region for machine in placed.machines}
-    instances = {instance.name for instance in placed.instances}
     deepest: StackUse | None = None
     for codel in codels:
-        uses = codel.plan.uses
-        if not any(use.provider in instances if use.waits else use.region in regions for use in uses):
+        if not any(executes(placed, use) for use in codel.plan.uses):
             continue
         size = codel.result.stack if codel.result is not None else None
         if size is None:

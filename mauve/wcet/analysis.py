@@ -97,6 +97,7 @@ class _Common:
         """One function, from its symbol to its result."""
         from mauve.wcet.assemble import assemble
         from mauve.wcet.binary.elf import ElfProblem
+        from mauve.wcet.globals import global_uses
 
         symbol = self._binary.function(function if isinstance(function, str) else f"{function:#x}")
         if isinstance(symbol, ElfProblem):
@@ -108,7 +109,8 @@ class _Common:
         bounds: dict[ContextKey, FunctionBound] = {}
         for key, flow in program.functions.items():
             bounds[key] = self._bound(flow, core, bounds)
-        return assemble(symbol.name, program, bounds, core, board, self._problems, self._lines.source)
+        result = assemble(symbol.name, program, bounds, core, board, self._problems, self._lines.source)
+        return changed(result, globals=global_uses(program, self._binary))
 
     def _bound(self, flow: FunctionFlow, core: Core, bounds: Mapping[ContextKey, FunctionBound]) -> FunctionBound:
         """The bound of one function from those of its callees, computed once for the same flow and the same bounds."""

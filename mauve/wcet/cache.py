@@ -25,6 +25,7 @@ from mauve.wcet.hardware.board import Board
 from mauve.wcet.result import (
     BlockResult,
     CallResult,
+    GlobalUse,
     LoopResult,
     Origin,
     Problem,
@@ -156,6 +157,7 @@ def decode(data: dict[str, Any]) -> WcetResult:
     fields["problems"] = tuple(_problem(problem) for problem in data["problems"])
     fields["notes"] = tuple(_problem(problem) for problem in data["notes"])
     fields["assumptions"] = tuple(data["assumptions"])
+    fields["globals"] = tuple(GlobalUse(**use) for use in data["globals"])
     return WcetResult(**fields)
 
 

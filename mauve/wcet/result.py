@@ -101,6 +101,16 @@ class CallResult:
 
 
 @record
+class GlobalUse:
+    """An object of the binary that the function, or what it calls, reads or writes at addresses that the analysis
+    knows; what is reached through pointers it does not know is missing."""
+
+    symbol: str
+    reads: bool
+    writes: bool
+
+
+@record
 class WcetResult:
     """The bound of one function on one board. `cycles` is None exactly when `problems` is not empty.
 
@@ -119,6 +129,7 @@ class WcetResult:
     notes: tuple[Problem, ...] = ()
     assumptions: tuple[str, ...] = ()
     stack: int | None = None
+    globals: tuple[GlobalUse, ...] = ()
     seconds: float = 0.0
 
     @property

@@ -35,6 +35,7 @@ def function(result: WcetResult) -> dict[str, Any]:
         "notes": [_problem(note) for note in result.notes],
         "assumptions": list(result.assumptions),
         "stack_bytes": result.stack,
+        "globals": [{"symbol": use.symbol, "reads": use.reads, "writes": use.writes} for use in result.globals],
         "seconds": round(result.seconds, 6),
     }
 
