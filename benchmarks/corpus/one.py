@@ -111,6 +111,7 @@ def observed(
         executed.update(run.addresses)
         cycles = replay.walk(run)
         walked = max(walked, *(cycles or (0,)))
+    done = {key for key, bound in bounds.items() if bound.cycles is not None}
     return {
         "runs": runs,
         "failed": failed,
@@ -118,7 +119,7 @@ def observed(
         "timed": timed(path, manifest, core_name, runs),
         "outside": outside(program, executed),
         "wrong": replay.wrong,
-        "loops": loops(program, replay.seen, executed, lines) + unreached(binary, program, executed, lines),
+        "loops": loops(program, done, replay.seen, executed, lines) + unreached(binary, program, executed, lines),
     }
 
 
@@ -157,9 +158,14 @@ def outside(program: ProgramFlow, executed: set[int]) -> list[int]:
 
 
 def loops(
-    program: ProgramFlow, seen: dict[tuple[ContextKey, int], tuple[int, int]], executed: set[int], lines: LineTable
+    program: ProgramFlow,
+    bounded: set[ContextKey],
+    seen: dict[tuple[ContextKey, int], tuple[int, int]],
+    executed: set[int],
+    lines: LineTable,
 ) -> list[dict[str, Any]]:
-    """Loops whose header was executed, contexts put together: no bound where one context that ran has none."""
+    """Loops whose header was executed, contexts put together: no bound where one context that ran has none. `bounded`
+    are the contexts that have a bound in cycles."""
     found: dict[tuple[str, int], dict[str, Any]] = {}
     counted = {(key[0], program.functions[key].nest.loops[number].header) for key, number in seen}
     for key, flow in program.functions.items():
@@ -175,6 +181,8 @@ def loops(
                  "method": ""},
             )  # fmt: skip
             entry["seen"] = max(entry["seen"], count)
+            if bound is None and program.entry in bounded:  # bounded all the same: this context never comes to it
+                continue
             if bound is None or entry["bound"] is None:
                 entry["bound"] = None
             elif bound.bound >= entry["bound"]:
