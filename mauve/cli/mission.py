@@ -28,7 +28,7 @@ def run(arguments: Namespace) -> int:
     if model is not None and sound and not known:
         write_messages(filter_allowed(report), "full", arguments, arguments.file)
         print(f"mauvec: {arguments.file} has no mission", file=sys.stderr)
-        return 1
+        return _nothing(arguments)
     chosen = [name for name in known if arguments.mission in (None, name)]
     single = arguments.simulate or arguments.emit
     if sound and single and len(chosen) > 1:
@@ -58,8 +58,13 @@ def run(arguments: Namespace) -> int:
 
 
 def _refused(arguments: Namespace, report: Report) -> int:
-    """A file in error: the messages, and a document without missions for a program."""
+    """A file in error: the messages, and what there is to write."""
     write_messages(filter_allowed(report), arguments.messages, arguments, arguments.file)
+    return _nothing(arguments)
+
+
+def _nothing(arguments: Namespace) -> int:
+    """No mission was looked at: for a program, a document that says so."""
     if arguments.format == "json" and not arguments.emit and not arguments.simulate:
         from mauve.report.mission_json import mission_document
 

@@ -50,12 +50,22 @@ def local_graphs(mission: Mission, budget: int = BUDGET) -> tuple[LocalGraph, ..
     graphs: list[LocalGraph] = []
     spent = 0
     for local in local_missions(mission):
+        if (exceeded := too_many_devices(local.mission, budget - spent)) is not None:
+            return exceeded
         graph = alternatives_graph(build_net(local.mission, local.stems), budget - spent)
         if isinstance(graph, BudgetExceeded):
             return BudgetExceeded(budget, graph.factors)
         spent += len(graph.markings)
         graphs.append(LocalGraph(local.path, graph))
     return tuple(graphs)
+
+
+def too_many_devices(mission: Mission, budget: int) -> BudgetExceeded | None:
+    """What to say where the states of the devices alone, all of which are reached before the start, are too many."""
+    devices = [device.name for device in mission.hardware if device.may_fail]
+    if len(devices) < budget.bit_length() and 1 << len(devices) <= budget:
+        return None
+    return BudgetExceeded(budget, tuple((name, 2000) for name in devices))
 
 
 def _parts(wiring: Wiring, node: Node) -> Iterator[tuple[str, Block, frozenset[str]]]:

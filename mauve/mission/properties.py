@@ -4,19 +4,22 @@ from __future__ import annotations
 
 from mauve.mission.cuts import ObjectiveCuts, Sets, mission_cuts, objective_cuts
 from mauve.mission.formula import Bounded, Deterministic, Live, Ltl, Property, SuccessReachable, Verdict
-from mauve.mission.graph import AlternativesGraph, Confluence, StateView
+from mauve.mission.graph import AlternativesGraph, Confluence, MarkingsGraph, StateView
 from mauve.mission.liveness import check_live
 from mauve.mission.ltl import check_ltl
 from mauve.mission.never import NeverFiring, never_firing
 from mauve.mission.noreturn import LostSuccess, lost_success
 from mauve.mission.success import check_success
 from mauve.mission.survey import Survey, survey, trace
-from mauve.records import record
+from mauve.records import changed, record
 
 __all__ = ["ALWAYS", "Analysis", "analyse", "check_bounded", "check_deterministic"]
 
 ALWAYS: tuple[Property, ...] = (Bounded(), Deterministic(), Live(), SuccessReachable())
 """What is answered of every mission, asked or not."""
+
+ALL_MARKINGS = 200_000
+"""Markings, transient ones too, that are looked at where one order of each cascade says too little."""
 
 
 @record
@@ -39,6 +42,8 @@ def analyse(graph: AlternativesGraph, confluence: Confluence, wanted: tuple[Prop
     seen = survey(graph)
     asked = tuple(dict.fromkeys((*ALWAYS, *wanted)))
     verdicts = tuple(_answer(seen, confluence, one) for one in asked)
+    if confluence.divergences:
+        verdicts = tuple(_of_one_order(graph, one, verdict) for one, verdict in zip(asked, verdicts, strict=True))
     return Analysis(verdicts, mission_cuts(seen), objective_cuts(seen), lost_success(seen), never_firing(seen))
 
 
@@ -80,6 +85,25 @@ def _answer(seen: Survey, confluence: Confluence, one: Property) -> Verdict:
             return check_success(seen, one)
         case Ltl():
             return check_ltl(seen.graph, one)
+
+
+def _of_one_order(graph: AlternativesGraph, asked: Property, verdict: Verdict) -> Verdict:
+    """What a graph made in one order still shows where others end elsewhere: the runs it has exist, no more.
+
+    That no place gets a second token is then looked for among all markings, where these are not too many.
+    """
+    match asked, verdict.holds:
+        case (Deterministic(), _) | (Bounded() | Ltl(), False) | (SuccessReachable(None), True):
+            return verdict
+        case Bounded(), _:
+            from mauve.mission.markings import markings_graph
+
+            full = markings_graph(graph.net, ALL_MARKINGS)
+            if isinstance(full, MarkingsGraph):
+                return changed(verdict, holds=full.safe, note="all markings were looked at")
+        case _:
+            pass
+    return changed(verdict, holds=None, witness=(), note="not decided: the mission is not deterministic")
 
 
 def _live(seen: Survey, confluence: Confluence) -> Verdict:

@@ -27,5 +27,5 @@ def mission_lines(result: MissionResult, style: Style, limit: int | None) -> Ite
     else:
         cannot = "cannot succeed, whatever is in service" if () in result.cuts else ""
         yield f"  {cannot or f'fails without {sets_text(result.cuts)}'}"
-    verdict, role = ("holds", Role.HELP) if result.holds else ("does not hold", Role.ERROR)
-    yield f"  {style.paint(role, f'mission {name} {verdict}')}"
+    role = Role.HELP if result.holds else Role.ERROR
+    yield f"  {style.paint(role, f'mission {name} {result.answer}')}"

@@ -42,10 +42,8 @@ def _mission(result: MissionResult, style: Style, limit: int | None) -> Iterator
     yield from _lost(result)
     yield from _never(result)
     yield ""
-    word, role = ("holds", Role.HELP) if result.holds else ("does not hold", Role.ERROR)
-    if not result.holds and any(one.verdict.holds is None for one in result.asked):
-        word = "is not decided" if all(one.verdict.holds is not False for one in result.asked) else word
-    yield f"  {style.paint(role, f'mission {result.mission.name} {word}')} ({result.seconds:.2f} s)"
+    role = Role.HELP if result.holds else Role.ERROR
+    yield f"  {style.paint(role, f'mission {result.mission.name} {result.answer}')} ({result.seconds:.2f} s)"
 
 
 def _sizes(result: MissionResult) -> Iterator[str]:

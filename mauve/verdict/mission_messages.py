@@ -8,7 +8,7 @@ from mauve.mission.formula import Verdict
 from mauve.mission.graph import StateView
 from mauve.model.missions import Claim, Ltl, Mission
 from mauve.source import Span
-from mauve.verdict.missions import Asked, MissionResult
+from mauve.verdict.missions import MissionResult
 
 LONGEST_RUN = 30
 """So many events of a run are listed."""
@@ -22,13 +22,16 @@ def report_mission(result: MissionResult, report: Report) -> None:
     for asked in result.asked:
         told.add(asked.verdict.name if isinstance(asked.written, Claim) else "")
         if asked.verdict.holds is None:
-            report.add(_undecided(asked))
+            report.add(_undecided(asked.verdict, asked.written, asked.written.span))
         elif not asked.verdict.holds:
             report.add(_fails(result, asked.verdict, asked.written))
     stuck = result.confluence is not None and (result.confluence.stuck or result.confluence.endless)
     for name in ("bounded", "deterministic", *(("live",) if stuck else ()), "success_reachable"):
         if name not in told and result.verdict(name).holds is False:
             report.add(_fails(result, result.verdict(name), None))
+    success, sound = result.verdict("success_reachable"), ("bounded", "deterministic")
+    if success.name not in told and success.holds is None and all(result.verdict(x).holds is not False for x in sound):
+        report.add(_undecided(success, None, result.mission.span))
 
 
 def _fails(result: MissionResult, verdict: Verdict, written: Claim | Ltl | None) -> Diagnostic:
@@ -72,10 +75,10 @@ def _point_of_no_return(result: MissionResult) -> str:
     return f"after {run_text(points[0].events)} no success is possible"
 
 
-def _undecided(asked: Asked) -> Diagnostic:
-    what = asked.written.name if isinstance(asked.written, Ltl) else asked.verdict.name
-    notes = (asked.verdict.note,) if asked.verdict.note else ()
-    return Diagnostic("MV725", f"`{what}` could not be decided", Label(asked.written.span), notes=notes)
+def _undecided(verdict: Verdict, written: Claim | Ltl | None, span: Span) -> Diagnostic:
+    what = written.name if isinstance(written, Ltl) else verdict.name
+    notes = (verdict.note,) if verdict.note else ()
+    return Diagnostic("MV725", f"`{what}` could not be decided", Label(span), notes=notes)
 
 
 def _too_large(result: MissionResult) -> Diagnostic:

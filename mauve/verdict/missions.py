@@ -14,6 +14,7 @@ from mauve.mission import formula as f
 from mauve.mission.confluence import confluence
 from mauve.mission.contention import Contention, contentions
 from mauve.mission.graph import AlternativesGraph, BudgetExceeded, Confluence, LocalGraph, MarkingsGraph
+from mauve.mission.local import local_graphs, too_many_devices
 from mauve.mission.net import Net
 from mauve.mission.plan import Mission as Plan
 from mauve.mission.properties import ALWAYS, Analysis, analyse
@@ -26,6 +27,7 @@ from mauve.records import changed, record
 
 STATES = 1_000_000
 """Stable states of one mission, where nobody says otherwise."""
+
 
 @record
 class MissionOptions:
@@ -84,11 +86,21 @@ class MissionResult:
 
     @property
     def holds(self) -> bool:
-        """Whether all that was asked holds, and what must hold of any mission is not refuted."""
-        always = (self.verdict("deterministic"), self.verdict("bounded"), self.verdict("success_reachable"))
+        """Whether all that was asked holds, the mission can succeed, and what else must hold of any is not refuted."""
+        if not self.verdict("success_reachable").holds:
+            return False
+        always = (self.verdict("deterministic"), self.verdict("bounded"))
         if self.confluence is not None and (self.confluence.stuck or self.confluence.endless):
             return False
         return all(v.holds is not False for v in always) and all(one.verdict.holds for one in self.asked)
+
+    @property
+    def answer(self) -> str:
+        """The verdict in words."""
+        if self.holds:
+            return "holds"
+        refuted = any(one.holds is False for one in self.verdicts)
+        return "does not hold" if refuted or not any(one.holds is None for one in self.verdicts) else "is not decided"
 
 
 def check_mission(mission: Mission, options: MissionOptions) -> MissionResult:
@@ -117,7 +129,8 @@ def check_mission(mission: Mission, options: MissionOptions) -> MissionResult:
         else:
             graph, shown = found, confluence(found)
             analysis = analyse(graph, shown, wanted)
-            verdicts, cuts = analysis.verdicts, analysis.cuts if analysis.cuts is not None else _static_cuts(mission)
+            verdicts, known = analysis.verdicts, None if shown.divergences else analysis.cuts
+            cuts = _static_cuts(mission) if known is None else known
     except Unsound as error:
         verdicts, cuts = _unsound(error, plan_, wanted), _static_cuts(mission)
     order = tuple(dict.fromkeys((*ALWAYS, *wanted)))
@@ -130,11 +143,8 @@ def check_mission(mission: Mission, options: MissionOptions) -> MissionResult:
 
 
 def _graph(net: Net, plan_: Plan, budget: int) -> AlternativesGraph | BudgetExceeded:
-    """The alternatives graph, unless the states of the devices alone, all of which are reached, are too many."""
-    devices = [device.name for device in plan_.hardware if device.may_fail]
-    if len(devices) > budget.bit_length() or 1 << len(devices) > budget:
-        return BudgetExceeded(budget, tuple((name, 2000) for name in devices))
-    return alternatives_graph(net, budget)
+    """The alternatives graph, unless the states of the devices alone are too many."""
+    return too_many_devices(plan_, budget) or alternatives_graph(net, budget)
 
 
 def _unsound(error: Unsound, plan_: Plan, wanted: Sequence[f.Property]) -> tuple[f.Verdict, ...]:
@@ -156,7 +166,8 @@ def _static_cuts(mission: Mission) -> tuple[tuple[str, ...], ...]:
     """The cuts of the mission from what its activities depend on."""
     order = {device.name: index for index, device in enumerate(mission.hardware)}
     cuts = Dependence(mission.hardware, mission.activities).block(mission.root)
-    return tuple(tuple(sorted(cut, key=order.__getitem__)) for cut in cuts)
+    sets = (tuple(sorted(cut, key=order.__getitem__)) for cut in cuts)
+    return tuple(sorted(sets, key=lambda cut: (len(cut), [order[name] for name in cut])))
 
 
 # ------------------------------------------------------------------------------------------------ local graphs
@@ -164,8 +175,6 @@ def _by_objectives(
     mission: Mission, plan_: Plan, wanted: Sequence[f.Property]
 ) -> tuple[tuple[LocalResult, ...], tuple[f.Verdict, ...], tuple[tuple[str, ...], ...]]:
     """The verdicts of a mission from those of its objectives, each with the resources that it depends on."""
-    from mauve.mission.local import local_graphs
-
     graphs = local_graphs(plan_, STATES)
     cuts = _static_cuts(mission)
     order = tuple(dict.fromkeys((*ALWAYS, *wanted)))
