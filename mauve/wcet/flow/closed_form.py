@@ -37,6 +37,20 @@ def visits(header: Header, stays: list[Stay]) -> int | None:
     return min(bounds, default=None)
 
 
+def distances(header: Header, stays: list[Stay]) -> list[tuple[Value, Range]]:
+    """Differences that count down to the visit in which they are zero, and what they may be on every visit."""
+    found = []
+    for stay in stays:
+        difference = linear.sub(stay.a, stay.b)
+        step = linear.factor_of(difference, header.kappa)
+        if stay.condition is Condition.NE and _until_equal(header, stay.state, difference) is not None:
+            if step > 0:
+                difference, step = linear.scale(difference, -1), -step
+            first = stay.state.range_of(linear.substitute(difference, header.kappa, 0))
+            found.append((difference, domain.progression(0, -step, (first.low + first.span) // -step)))
+    return found
+
+
 def _visits(header: Header, stay: Stay) -> int | None:
     a, b, condition = stay.a, stay.b, stay.condition
     if condition in (Condition.MI, Condition.PL) or stay.kind is FlagKind.LOGIC:

@@ -8,7 +8,7 @@ the caller and by a budget of steps: a stepped loop that exceeds its share is su
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from time import monotonic
 from typing import Protocol
@@ -29,9 +29,9 @@ from mauve.wcet.binary.microop import (
     Store,
     TableJump,
 )
-from mauve.wcet.flow import closed_form, domain, flags, joining, linear
+from mauve.wcet.flow import anchors, closed_form, domain, flags, joining, linear
 from mauve.wcet.flow.closed_form import Stay
-from mauve.wcet.flow.domain import Range
+from mauve.wcet.flow.domain import SIGN, Range
 from mauve.wcet.flow.image import Image
 from mauve.wcet.flow.joining import Header
 from mauve.wcet.flow.linear import FIRST_FRESH, FRAME, Value
@@ -43,6 +43,8 @@ States = list[State]
 Leaving = dict[int, States]
 """States by the index of the edge on which they leave a region."""
 
+MOST_STOPS = 3
+"""Attempts at a header in which ranges stop at any mark."""
 MOST_SPLITS = 8
 """In a block, conditional instructions split a state at most into this many."""
 
@@ -129,6 +131,7 @@ class Execution:
         self.stays: dict[int, list[Stay]] | None = None
         self.limits: list[tuple[int, int]] = []
         self.watching: _Exits | None = None
+        self.marks: list[_Marks] = []
 
     def execute(self, entry: State) -> Record:
         """Execute from the function's entry; the record is complete."""
@@ -275,10 +278,19 @@ class Execution:
 
     def _header(self, loop: int, entry: State) -> tuple[Header | None, int | None]:
         """A header that holds all visits and a bound of their number; (None, 1) where the loop never comes back."""
+        marks = _Marks(entry.symbols.fresh(), set(self.thresholds))
+        self.marks.append(marks)
+        try:
+            return self._invariant(loop, entry, marks)
+        finally:
+            self.marks.pop()
+
+    def _invariant(self, loop: int, entry: State, marks: _Marks) -> tuple[Header | None, int | None]:
         back, _ = self._try(loop, entry)
         if back is None:
             return None, 1
-        header = joining.generalise(entry, back, self.thresholds)
+        header = joining.generalise(entry, back, sorted(marks.found), tuple(marks.limits))
+        marks.of_symbol = {symbol: set() for symbol in header.free}
         most: int | None = 2
         last = self.policy.passes - 1
         for attempt in range(self.policy.passes):
@@ -286,8 +298,9 @@ class Execution:
             back, stays = self._try(loop, header.state)
             if back is None:
                 return header, most
-            fits = joining.fit(header, back, self.thresholds if attempt < last - 4 else ())
+            fits = joining.fit(header, back, marks.thresholds(attempt, last - 4))
             bound = self._least(loop, closed_form.visits(header, stays))
+            header.facts = header.facts or closed_form.distances(header, stays)
             reached = back.range_of((1, header.kappa, 1))
             if fits and (most is None or reached.low + reached.span < most or (bound is not None and bound <= most)):
                 most = bound if bound is not None and (most is None or bound < most) else most
@@ -298,11 +311,23 @@ class Execution:
                 most = None
         else:
             return self._surrender(loop, entry), self.known.get(loop)
-        header.limit(most)
-        back, _ = self._try(loop, header.state)
-        if back is not None:
+        return header, self._descend(loop, header, most)
+
+    def _descend(self, loop: int, header: Header, most: int | None) -> int | None:
+        """Tighten a header that fits, and its bound."""
+        for last in (False, True):
+            header.limit(most)
+            back, stays = self._try(loop, header.state)
+            if back is None:
+                return most
             joining.narrow(header, back)
-        return header, most
+            bounds = [most, closed_form.visits(header, stays), *(joining.one_way(header, s) for s in header.free)]
+            found = min((bound for bound in bounds if bound is not None and bound <= closed_form.MOST), default=None)
+            if found == most and (last or most is not None):
+                break
+            most = found
+        header.limit(most)
+        return most
 
     def _least(self, loop: int, bound: int | None) -> int | None:
         """The better of a bound found here and one proven elsewhere."""
@@ -428,6 +453,8 @@ class Execution:
                 self._pass_on(last, after, taken + fall, leaving)
             return
         if last.condition is not Condition.AL:
+            for marks in self.marks:
+                marks.note(state)
             skipped = state.copy()
             if skipped.assume(last.condition.negated):
                 self._pass_on(last, skipped, fall, leaving)
@@ -511,6 +538,52 @@ def _compare_with_zero(state: State, flow: CompareBranch) -> None:
     value = state.regs[flow.register]
     state.flags = flags.of_logic(state.range_of(value), state.flags)
     state.origin = (FlagKind.LOGIC, value, 0)
+
+
+@dataclass(slots=True)
+class _Marks:
+    """Where ranges in a loop stop growing first: constants of the function, and the ends of what the loop compares
+    with and does not change, made of symbols before `fresh`. `limits` are such values, `of_symbol` the ends that a
+    symbol of the header is compared with."""
+
+    fresh: int
+    found: set[int]
+    limits: dict[Value, None] = field(default_factory=dict)
+    of_symbol: dict[int, set[int]] = field(default_factory=dict)
+
+    def note(self, state: State) -> None:
+        """Take up the compare that a branch depends on."""
+        if state.origin is None:
+            return
+        _, a, b = state.origin
+        for moving, fixed in ((a, b), (b, a)):
+            if type(moving) is int or any(symbol >= self.fresh for symbol in linear.symbols(fixed)):
+                continue
+            if type(fixed) is tuple:
+                self.limits[(0, *fixed[1:])] = None
+            known = state.range_of(fixed)
+            if known.span >= SIGN:
+                continue
+            assert type(moving) is tuple
+            ends = {
+                (end - offset + near) & domain.MASK
+                for end in (known.low, known.low + known.span)
+                for offset in (0, moving[0])
+                for near in (-1, 0, 1)
+            }
+            self.found |= ends
+            for symbol in self.of_symbol.keys() & anchors.reached(state, moving):
+                self.of_symbol[symbol] |= ends
+
+    def thresholds(self, attempt: int, last: int) -> Callable[[int], Sequence[int]]:
+        """For a symbol of the header where its range stops next: at any mark in the first attempts, then at those that
+        it is compared with, in the end (`last`) nowhere."""
+        if attempt < MOST_STOPS:
+            every = sorted(self.found)
+            return lambda symbol: every
+        if attempt < last:
+            return lambda symbol: sorted({0, SIGN - 1, SIGN, domain.MASK} | self.of_symbol.get(symbol, set()))
+        return lambda symbol: ()
 
 
 class _Exits:

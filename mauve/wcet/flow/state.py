@@ -15,7 +15,7 @@ from __future__ import annotations
 from itertools import count
 
 from mauve.wcet.binary.microop import Condition, FlagKind
-from mauve.wcet.flow import domain, flags, linear
+from mauve.wcet.flow import anchors, domain, flags, linear
 from mauve.wcet.flow.domain import MASK, MODULUS, SIGN, TOP, Range
 from mauve.wcet.flow.image import Image
 from mauve.wcet.flow.linear import FIRST_FRESH, FRAME, MOST_TERMS, Value, entry_symbol
@@ -54,7 +54,10 @@ class State:
     """See the module's description. `flags` is a set of possible NZCV (see flags.py), `origin` the compare they come
     from."""
 
-    __slots__ = ("flags", "held", "leaked", "memory", "origin", "pins", "ranges", "regs", "shared", "symbols", "taints")
+    __slots__ = (
+        "anchors", "flags", "held", "leaked", "memory", "origin",
+        "pins", "ranges", "regs", "shared", "symbols", "taints",
+    )  # fmt: skip
 
     def __init__(self, symbols: Symbols) -> None:
         self.symbols = symbols
@@ -64,6 +67,7 @@ class State:
         self.memory: dict[int, Cells] = {}
         self.shared: set[int] = set()
         self.ranges: dict[int, Range] = {}
+        self.anchors: anchors.Anchors = {}
         self.pins: dict[int, Value] = {}
         self.taints: dict[int, int] = {}
         self.held = 0
@@ -80,6 +84,7 @@ class State:
         self.shared = set(self.memory)
         new.shared = set(self.memory)
         new.ranges = self.ranges.copy()
+        new.anchors = self.anchors
         new.pins = self.pins
         new.taints = self.taints.copy()
         new.held = self.held
@@ -119,7 +124,10 @@ class State:
         """The value itself, or a fresh symbol in its range where the expression has grown too long."""
         if type(value) is int or len(value) <= 2 * MOST_TERMS + 1:  # type: ignore[arg-type]
             return value
-        return self.tainted(self.fresh(self.range_of(value)), self.mask(value))
+        short = self.tainted(self.fresh(self.range_of(value)), self.mask(value))
+        if type(short) is not int:
+            anchors.note(self, linear.symbols(short)[0], anchors.shortened(value, self))
+        return short
 
     def range_of(self, value: Value) -> Range:
         """All numbers the value may be."""
@@ -135,7 +143,7 @@ class State:
         total = Range(value[0], 0, 0)
         for i in range(1, len(value), 2):
             total = domain.add(total, domain.scale(ranges.get(value[i], TOP), value[i + 1]))
-        return total
+        return anchors.refined(self, value, total) if self.anchors else total
 
     def constant_of(self, value: Value) -> int | None:
         """The number the value is, where it is only one."""
@@ -225,6 +233,8 @@ class State:
         """Write another value for a symbol wherever it stands, and remember that they are equal."""
         self.pins = {s: linear.substitute(v, symbol, number) for s, v in self.pins.items()}
         self.pins[symbol] = number
+        if type(number) is not int:
+            anchors.handed_on(self, symbol, number)
         for index, value in enumerate(self.regs):
             if type(value) is not int and symbol in value:  # type: ignore[operator]
                 self.regs[index] = linear.substitute(value, symbol, number)
@@ -273,6 +283,8 @@ class State:
                 return False
             if known.is_top and value in self.regs:
                 self._name(value, domain.between(number + 1, number - 1))
+            elif number in (known.low, known.high):
+                anchors.learn(self, value, domain.without(known, number) or known)
             return True
         offset, symbol, factor = value
         known = self.ranges.get(symbol, TOP)
@@ -360,9 +372,16 @@ class State:
         high_b = (known_b.signed_bounds() if as_signed else known_b.unsigned_bounds())[1]
         if low_a + least > high_b:
             return False
-        return self.require(a, floor & MASK, (high_b - least) & MASK) and self.require(
+        possible = self.require(a, floor & MASK, (high_b - least) & MASK) and self.require(
             b, (low_a + least) & MASK, ceiling & MASK
         )
+        if possible and high_b - low_a < anchors.NEAR:
+            difference = linear.sub(b, a)
+            known = domain.meet(self.range_of(difference), domain.between(least, high_b - low_a))
+            if known is None:
+                return False
+            anchors.learn(self, self.pinned(difference), known)
+        return possible
 
     # ------------------------------------------------------------------------------------------------ memory
     def place(self, address: Value) -> tuple[int | None, int, int]:
@@ -582,6 +601,7 @@ class State:
         for region in waiting:
             del self.memory[region]
         self.ranges = {symbol: known for symbol, known in self.ranges.items() if symbol in live}
+        self.anchors = {symbol: anchor for symbol, anchor in self.anchors.items() if symbol in live}
         self.pins = {}
         self.taints = {symbol: mask for symbol, mask in self.taints.items() if symbol in live}
 
