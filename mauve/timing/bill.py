@@ -15,7 +15,7 @@ from itertools import pairwise
 from mauve.records import record
 from mauve.timing.deferred import is_deferred, own_demand, section_of, start_of
 from mauve.timing.level import Budget, finish
-from mauve.timing.psm import PsmTransition
+from mauve.timing.psm import Psm, PsmTransition
 from mauve.timing.response import STEPS, Analysis, Charge, Method, ResponseResult, first_late, interference_on
 from mauve.timing.task import Kind, Task, Workload
 from mauve.timing.traces import PsmCurve, witness_run
@@ -28,15 +28,22 @@ SHOWN_JOBS = 64
 class BillWork:
     """The share of one workload: how often it runs, what that costs, its trace, and a run of its PSM that costs it.
 
-    `trace` holds e_1, e_2, ... of the first `SHOWN_JOBS` jobs at most; `run` the transitions of all jobs, empty where
-    there are more jobs than that or the work is not a PSM.
+    `trace` holds e_1, e_2, ... of the first `SHOWN_JOBS` jobs at most; `machine` is the PSM whose run can be shown.
     """
 
     name: str
     jobs: int
     cost: int
     trace: tuple[int, ...]
-    run: tuple[PsmTransition, ...]
+    machine: Psm | None = None
+
+    @property
+    def run(self) -> tuple[PsmTransition, ...]:
+        """The transitions of all jobs, empty where there are more than `SHOWN_JOBS` or the work is not a PSM. They are
+        found when asked for: of most interferers nobody asks."""
+        if self.machine is None or not 0 < self.jobs <= SHOWN_JOBS:
+            return ()
+        return witness_run(self.machine, self.jobs)
 
 
 @record
@@ -108,7 +115,7 @@ def deadline_bill(analysis: Analysis, name: str, steps: int = STEPS) -> Bill | N
     if latest is not None:
         others = interference_on(task, analysis.tasks)
         base = task.blocking + own_demand(task, late) - section_of(task)
-        begin = start_of(others, base, 0, Budget(steps))
+        begin = start_of(others, base, 0, Budget(steps), latest)
         latest = max(0, latest if begin is None else min(begin, latest))
     return _bill(analysis.tasks, task, late, window, result.charges, latest)
 
@@ -153,8 +160,9 @@ def _own_deferred(task: Task, job: int) -> BillLine:
     """The task's own jobs where the last one may be the dearest: E(q-1) and E(1)."""
     before, last = _line(task, job - 1, None, {}), _line(task, 1, None, {})
     work = tuple(
-        BillWork(a.name, a.jobs + b.jobs, a.cost + b.cost, (a.trace + b.trace)[:SHOWN_JOBS], b.run if job == 1 else ())
+        BillWork(a.name, a.jobs + b.jobs, a.cost + b.cost, (a.trace + b.trace)[:SHOWN_JOBS], machine)
         for a, b in zip(before.work, last.work, strict=True)
+        for machine in [b.machine if job == 1 else None]
     )
     cost = before.cost + last.cost
     return BillLine(task.name, task.kind, task.priority, task.period, job, cost, before.overhead + last.overhead, work)
@@ -177,14 +185,11 @@ def _line(
 
 
 def _charged(part: Workload, costs: tuple[int, ...]) -> BillWork:
-    return BillWork(part.name, len(costs), sum(costs), costs[:SHOWN_JOBS], ())
+    return BillWork(part.name, len(costs), sum(costs), costs[:SHOWN_JOBS])
 
 
 def _work(part: Workload, jobs: int) -> BillWork:
     curve = part.curve
     totals = [curve.total(count) for count in range(min(jobs, SHOWN_JOBS) + 1)]
     trace = tuple(later - earlier for earlier, later in pairwise(totals))
-    run: tuple[PsmTransition, ...] = ()
-    if isinstance(curve, PsmCurve) and 0 < jobs <= SHOWN_JOBS:
-        run = witness_run(curve.psm, jobs)
-    return BillWork(part.name, jobs, curve.total(jobs), trace, run)
+    return BillWork(part.name, jobs, curve.total(jobs), trace, curve.psm if isinstance(curve, PsmCurve) else None)

@@ -3,7 +3,7 @@
 The ceiling of a resource is the highest priority among the tasks that use it. A task is blocked at most once, by the
 longest section of a less urgent task whose ceiling reaches the task's own priority: B_i = max { length : prio < P_i <=
 ceiling }. A section without preemption has a ceiling above all tasks; a task that is never preempted once it runs is
-one such section as long as its dearest job.
+one such section as long as its dearest job. A section of a task whose end is not preempted may reach into that end.
 """
 
 from __future__ import annotations
@@ -56,8 +56,17 @@ def held_by(task: Task) -> tuple[Section, ...]:
         return (*task.sections, whole)
     if task.tail:
         end = Section("", task.name, f"the end of `{task.name}`", task.tail, above_all=True)
-        return (*task.sections, end)
+        return (*(_up_to_the_end(section, task) for section in task.sections), end)
     return task.sections
+
+
+def _up_to_the_end(section: Section, task: Task) -> Section:
+    """A section as long as it may last with the end of the job that nothing preempts: nothing says where it lies, and
+    one that is left within the end, or right before it, is followed by the rest of that."""
+    length = max(section.length, min(section.length + task.tail, task.demand(1)))
+    if not section.length or length == section.length:
+        return section
+    return changed(section, length=length, what=f"{section.what} and the end of `{task.name}`")
 
 
 def blocking_sections(tasks: Sequence[Task]) -> list[Section | None]:

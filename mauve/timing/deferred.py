@@ -12,7 +12,16 @@ its section. Interrupts preempt the section, too: f(q) then is a fixed point of 
 
 from __future__ import annotations
 
-from mauve.timing.level import NEAR_ONE, Budget, Interference, JobsOutcome, finish, settled_from
+from mauve.timing.level import (
+    NEAR_ONE,
+    Budget,
+    Interference,
+    JobsOutcome,
+    finish,
+    float_load,
+    load_compared_to_one,
+    settled_from,
+)
 from mauve.timing.task import Kind, Task
 
 
@@ -36,8 +45,9 @@ def deferred_finishes(
     task: Task, others: Interference, budget: Budget, repeat: int | None = None, until_late: bool = False
 ) -> JobsOutcome:
     """f(1), f(2), ... of the jobs of the busy period; parameters and result as of `level.job_finishes`."""
-    busy = None if repeat else _busy_period(task, others, budget)
-    if busy is None and repeat is None:
+    overload = until_late and load_compared_to_one([*others.tasks, task], others.load + float_load(task)) > 0
+    busy = None if repeat or overload else _busy_period(task, others, budget)
+    if busy is None and repeat is None and not overload:
         return JobsOutcome((), False, None, 0)
     handlers = _only(others, interrupts=True)
     section = section_of(task)
@@ -49,7 +59,11 @@ def deferred_finishes(
     while busy is None or q < count:
         q += 1
         base = task.blocking + own_demand(task, q) - section
-        start = start_of(others, base, at, budget)
+        # An overload has no busy period, and times that grow without end: only what is in time is looked at.
+        latest = task.deadline + (q - 1) * task.period - task.jitter - section if until_late else None
+        start = start_of(others, base, at, budget, latest)
+        if start is not None and latest is not None and start > latest:
+            return JobsOutcome(tuple(finishes), False, None, q)
         end = start if start is None else end_of(handlers, start, section, budget)
         if start is None or end is None:
             return JobsOutcome(tuple(finishes), False, None, 0)
@@ -62,14 +76,19 @@ def deferred_finishes(
     return JobsOutcome(tuple(finishes), True, busy, 0)
 
 
-def start_of(others: Interference, base: int, least: int, budget: Budget) -> int | None:
-    """The least fixed point of base + work released in a closed window; at least `least`. None at the budget's end."""
+def start_of(
+    others: Interference, base: int, least: int, budget: Budget, above: int | None = None
+) -> int | None:
+    """The least fixed point of base + work released in a closed window; at least `least`. None at the budget's end; a
+    value greater than `above` as soon as the fixed point is known to exceed it."""
     # In whole numbers floor(x / T) + 1 = ceil((x + 1) / T): the closed window is one unit longer.
     at = max(least, base + others.demand(1))
     room = 1.0 - others.floor
     if room > NEAR_ONE:
         at = max(at, int((base + others.offset) / room * (1 - 1e-7)))
     while budget.steps > 0:
+        if above is not None and at > above:
+            return at
         budget.steps -= 1
         then = base + others.demand(at + 1)
         if then <= at:

@@ -33,6 +33,16 @@ def test_a_task_without_preemption_blocks_for_its_whole_job_and_one_with_a_tail_
     assert named is not None and (named.holder, named.what) == ("low", "the whole of `low`")
 
 
+def test_a_section_may_reach_into_an_end_that_is_not_preempted() -> None:
+    # The section [2, 5) of `low` is left within its end [4, 10): who arrives at 2 and uses nothing waits for both.
+    low, user = task("low", 1, Section("r", "low", "in `r`", 3), tail=6), task("user", 3, Section("r", "user", "", 1))
+    assert [one.blocking for one in with_blocking([low, user, task("mid", 2)])] == [0, 9, 9]
+    named = blocking_sections([low, user])[1]
+    assert named is not None and named.what == "in `r` and the end of `low`"
+    assert [one.blocking for one in with_blocking([changed(low, tail=8), user])] == [0, 10], "no longer than the job"
+    assert [one.blocking for one in with_blocking([low, changed(user, sections=())])] == [0, 6]
+
+
 def test_blocking_that_was_given_stays_where_it_is_longer() -> None:
     low, high = task("low", 1, Section("r", "low", "", 4)), task("high", 2, Section("r", "high", "", 1), blocking=7)
     assert analyse([low, high]).result("high").wcrt == 17

@@ -91,6 +91,19 @@ def test_a_full_load_without_preemption_repeats_or_is_refused() -> None:
     assert analyse(odd, steps=200).result("low").reason is Reason.OVERLOAD
 
 
+def test_an_overload_without_preemption_is_told_at_once() -> None:
+    # The times grow by a factor at each step: a hundred thousand steps would make numbers of ten thousand digits.
+    tasks = rigid(task("a", 3, 5, 4), task("b", 2, 15, 4), task("c", 1, 10, 3, jitter=4), task("d", 1, 6, 4))
+    analysis = analyse(tasks)
+    assert [result.wcrt is None for result in analysis.results] == [False, True, True, True]
+    for name in "bcd":
+        bill = deadline_bill(analysis, name)
+        assert bill is not None and bill.due > bill.window
+    tight = [*rigid(task("a", 2, 8, 5)), task("b", 1, 8, 4, tail=1)]
+    bill = deadline_bill(analyse(tight), "b")
+    assert bill is not None and bill.excess > 0
+
+
 # ------------------------------------------------------------------ the formula read literally
 
 
