@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 from mauve.wcet.binary.graph import Edge, EdgeKind
-from mauve.wcet.binary.microop import SP
+from mauve.wcet.binary.microop import SP, Op
 from mauve.wcet.flow import domain, flags, joining, linear
 from mauve.wcet.flow.domain import MASK, SIGN, TOP, Range
 from mauve.wcet.flow.execute import Record
 from mauve.wcet.flow.linear import FRAME, Value, entry_symbol
+from mauve.wcet.flow.locations import CALL_CLOBBERED, CallEffects, Helper
 from mauve.wcet.flow.state import ABSOLUTE, IN_STACK, MASK_OF_ALL, OF_FRAME, State
 
 ARGUMENTS = (0, 1, 2, 3)
@@ -28,7 +29,8 @@ class Summary:
     """The effect of a function: `results` are the values of r0-r3 on return, as ranges; `writes` the places it may
     write, in regions of its entry registers, fixed addresses, or None (anywhere but in frames it does not know);
     `leaks`: the arguments (State.mask) that may live on in memory, `masks` those that each result may be computed
-    of; `changed` the callee-saved registers that it changes without having saved them."""
+    of; `changed` the callee-saved registers that it changes without having saved them, `kept` the others that it leaves
+    as they were (compilers that know the callee rely on it)."""
 
     returns: bool
     results: tuple[Range, Range, Range, Range]
@@ -36,6 +38,7 @@ class Summary:
     leaks: int
     changed: frozenset[int]
     masks: tuple[int, int, int, int] = (MASK_OF_ALL, MASK_OF_ALL, MASK_OF_ALL, MASK_OF_ALL)
+    kept: frozenset[int] = frozenset()
 
 
 UNKNOWN = Summary(True, (TOP, TOP, TOP, TOP), frozenset({(None, 0, MASK)}), MASK_OF_ALL, frozenset())
@@ -56,7 +59,8 @@ def summarise(record: Record) -> Summary:
     )
     first_mask, second_mask, third_mask, fourth_mask = (state.mask(state.regs[r]) for r in RESULTS)
     masks = (first_mask, second_mask, third_mask, fourth_mask)
-    return Summary(True, (first, second, third, fourth), writes, record.leaks, changed, masks)
+    kept = frozenset(r for r in CLOBBERED if state.regs[r] == linear.of_symbol(entry_symbol(r)))
+    return Summary(True, (first, second, third, fourth), writes, record.leaks, changed, masks, kept)
 
 
 def _result(state: State, register: int) -> Range:
@@ -71,7 +75,7 @@ def _known_at_entry(place: Place) -> Place:
     return None, 0, MASK
 
 
-def call(state: State, summary: Summary, record: Record | None) -> State | None:
+def call(state: State, summary: Summary, record: Record | None, helper: Helper | None = None) -> State | None:
     """Change the caller's state as the callee may; None when it does not return."""
     writes = [translated for place in summary.writes for translated in _translate(state, place)]
     exposed = _exposed(state)
@@ -86,15 +90,63 @@ def call(state: State, summary: Summary, record: Record | None) -> State | None:
         return None
     if leaking & OF_FRAME:
         state.leaked = True
+    divided = None if helper is None else _division(state, helper)
     _leave_frame(state)
     state.flags, state.origin = flags.ANY, None
     for register in CLOBBERED:
-        state.regs[register] = state.fresh()
+        if register not in summary.kept:
+            state.regs[register] = state.fresh()
     for register, known, mask in zip(RESULTS, summary.results, summary.masks, strict=True):
+        if register in summary.kept:
+            continue
         state.regs[register] = state.tainted(state.fresh(known), _of_arguments(mask, arguments, state))
     for register in summary.changed:
         state.regs[register] = state.fresh()
+    for register, known in divided or ():
+        state.regs[register] = state.fresh(known)
     return state
+
+
+def _division(state: State, helper: Helper) -> list[tuple[int, Range]]:
+    """The results of a division by their registers."""
+    a, b = state.range_of(state.regs[0]), state.range_of(state.regs[1])
+    low, high = b.unsigned_bounds()
+    if low == 0:
+        return []  # what a division by zero gives is not said
+    quotient = domain.apply(Op.UDIV, a, b)
+    rest = domain.between(0, min(high - 1, a.unsigned_bounds()[1]))
+    match helper:
+        case Helper.UDIV:
+            return [(0, quotient)]
+        case Helper.UMOD:
+            return [(0, rest)]
+        case Helper.UDIVMOD:
+            return [(0, quotient), (1, rest)]
+
+
+_HELPERS = {
+    "__aeabi_uidiv": Helper.UDIV,
+    "__udivsi3": Helper.UDIV,
+    "__aeabi_uidivmod": Helper.UDIVMOD,
+    "__umodsi3": Helper.UMOD,
+}
+"""The names that the run-time ABI and the compilers' libraries reserve for divisions of unsigned words."""
+
+
+def helper_named(names: Iterable[str]) -> Helper | None:
+    """What a function of one of these names computes, by the run-time ABI."""
+    return next((_HELPERS[name] for name in names if name in _HELPERS), None)
+
+
+def call_effects(callees: Sequence[tuple[Summary, Helper | None]]) -> CallEffects:
+    """What a call of one of these functions changes, in the words of the ranking arguments."""
+    kept = frozenset(CLOBBERED).intersection(*(summary.kept for summary, _ in callees))
+    changed = frozenset[int]().union(*(summary.changed for summary, _ in callees))
+    places = [place for summary, _ in callees for place in summary.writes]
+    memory = any(region != FRAME or high >= low for region, low, high in places if region != FRAME or high >= 0)
+    helpers = {helper for _, helper in callees}
+    helper = helpers.pop() if len(helpers) == 1 else None
+    return CallEffects((CALL_CLOBBERED - kept) | changed, memory, None if memory else False, helper)
 
 
 def _of_arguments(mask: int, arguments: list[int], state: State) -> int:
@@ -160,8 +212,13 @@ class ProgramCalls:
     """Calls within a program: effects by key of the callee; `wanted` are callees whose entry states are to be
     collected."""
 
-    def __init__(self, summaries: Mapping[int, Summary], wanted: frozenset[int]) -> None:
-        self.summaries, self.wanted = summaries, wanted
+    def __init__(
+        self,
+        summaries: Mapping[int, Summary],
+        wanted: frozenset[int],
+        helpers: Mapping[int, Helper] | None = None,
+    ) -> None:
+        self.summaries, self.wanted, self.helpers = summaries, wanted, helpers or {}
 
     def apply(self, state: State, index: int, edge: Edge, record: Record | None) -> State | None:
         """The state after a call: the join over its callees."""
@@ -172,7 +229,7 @@ class ProgramCalls:
                 entered = enter(before)
                 known = record.calls.get((index, callee))
                 record.calls[index, callee] = entered if known is None else joining.join(known, entered)
-            called = call(before, self.summaries.get(callee, UNKNOWN), record)
+            called = call(before, self.summaries.get(callee, UNKNOWN), record, self.helpers.get(callee))
             if called is not None:
                 after.append(called)
         if edge.kind is EdgeKind.STOP or not after:

@@ -25,6 +25,7 @@ from mauve.wcet.flow.execute import GaveUp, Record
 from mauve.wcet.flow.function import Attempt, FunctionResult, Limits, analyse_function
 from mauve.wcet.flow.given import Given, Stated
 from mauve.wcet.flow.image import Image
+from mauve.wcet.flow.locations import CallEffects, Helper
 from mauve.wcet.flow.order import Order, arrange
 from mauve.wcet.flow.result import AddressRange, FunctionFlow, LoopBound
 from mauve.wcet.flow.state import ABSOLUTE, State, Symbols
@@ -201,7 +202,8 @@ class Functions:
             return replace(bare, flow=replace(bare.flow, problems=(_contradicted(cfg, None),)))
         assumed = self.given.assumed.arguments
         wanted = frozenset(k for k in callgraph.callees(cfg) if k in assumed or self._incomplete(k))
-        calls = ProgramCalls(self.summaries, wanted)
+        helpers = {k: helper for k in callgraph.callees(cfg) if (helper := self._helper(k)) is not None}
+        calls = ProgramCalls(self.summaries, wanted, helpers)
 
         rankings: dict[int, Ranking] = {}
 
@@ -210,7 +212,7 @@ class Functions:
 
             values = LoopValues(record, loop.id, self.image)
             if id(record) not in rankings:
-                rankings[id(record)] = Ranking(cfg, nest, values)
+                rankings[id(record)] = Ranking(cfg, nest, values, self._effects(cfg, helpers))
             found = rankings[id(record)].bound(loop, values)
             return None if found is None else (found.bound, found.method)
 
@@ -254,6 +256,19 @@ class Functions:
                 state = result.record.calls.get((index, key))
                 if state is not None and self.given.assumed.entered(key, state) is None:
                     yield _contradicted(self.cfgs[key], cfg.blocks[edge.source].instructions[-1].address)
+
+    def _helper(self, key: int) -> Helper | None:
+        """What a run-time helper computes, by its name."""
+        symbol = self.binary.symbol_at(key)
+        return None if symbol is None else effects.helper_named({symbol.name, self.cfgs[key].name})
+
+    def _effects(self, cfg: Cfg, helpers: Mapping[int, Helper]) -> dict[int, CallEffects]:
+        """What the calls on each edge change."""
+        return {
+            index: effects.call_effects([(self.summaries.get(k, UNKNOWN), helpers.get(k)) for k in edge.callees])
+            for index, edge in enumerate(cfg.edges)
+            if edge.callees
+        }
 
     def _unbounded(self, cfg: Cfg, nest: LoopNest, loop: int) -> Problem:
         block = cfg.blocks[nest.loops[loop].header]

@@ -25,9 +25,10 @@ from mauve.wcet.flow.locations import (
     Region,
 )
 from mauve.wcet.flow.rank.affine import affine
+from mauve.wcet.flow.rank.finite import finite
 from mauve.wcet.flow.rank.inductive import inductive, inductive_of
 from mauve.wcet.flow.rank.iterate import iterate
-from mauve.wcet.flow.rank.paths import Program, State, Summaries, entry_states, prepare, summarise_loop
+from mauve.wcet.flow.rank.paths import Program, State, Summaries, entry_states, exit_states, prepare, summarise_loop
 from mauve.wcet.flow.rank.problem import MOST, Problem, pose
 from mauve.wcet.flow.rank.shapes import bits_cleared, remainders, wide_shift
 from mauve.wcet.flow.rank.terms import Atom, Var, meet, static_range
@@ -99,7 +100,7 @@ class Ranking:
         for coarse in (False, True):
             program.coarse, program.summaries = coarse, self._summaries[coarse]
             passes = summarise_loop(program, loop)
-            found = _best_argument(program, values or NoValues(), passes, entries)
+            found = _best_argument(program, values or NoValues(), passes, entries, loop)
             if found is not None and (best is None or found.bound < best.bound):
                 best = found
             if loop.header not in program.summaries.joined:
@@ -119,7 +120,7 @@ def bound_by_ranking(
 
 
 def _best_argument(
-    program: Program, values: EntryValues, passes: list[State], entries: list[State]
+    program: Program, values: EntryValues, passes: list[State], entries: list[State], loop: Loop
 ) -> RankBound | None:
     def on_entry(of: Atom) -> Interval:
         return meet(static_range(of), values.on_entry(of.location)) if isinstance(of, Var) else static_range(of)
@@ -127,6 +128,7 @@ def _best_argument(
     def invariant(of: Atom) -> Interval:
         return meet(static_range(of), values.invariant(of.location)) if isinstance(of, Var) else static_range(of)
 
+    untouched = [state.copy() for state in passes]
     problem = pose(program, passes, entries, invariant, on_entry)
     if not problem.passes:
         return RankBound(1, "no pass repeats")
@@ -142,4 +144,7 @@ def _best_argument(
         made = argument(problem) if problem.passes else 0
         if made is not None and made <= MOST and (best is None or made + 1 < best.bound):
             best = RankBound(made + 1, method)
+    if best is None and problem.passes and not any(other.parent == loop.id for other in program.nest.loops):
+        made = finite(problem, untouched, exit_states(program, loop))
+        best = None if made is None else RankBound(made + 1, "states that never repeat")
     return best

@@ -78,12 +78,16 @@ def _guards(problem: Problem, index: int, term: Term) -> Iterator[_Guard]:
             except Contradiction:
                 continue
             yield _Guard(allowed, None, offset)
+            if relation.kind in (Kind.ULT, Kind.SLT) and problem.is_invariant(other):
+                yield _Guard(None, other, offset)
         difference = subtract(relation.a, relation.b)
         if difference.parts == term.parts and relation.b.parts:
             if relation.kind is Kind.NE:
                 yield _Guard(None, ZERO, difference.constant)
             else:
                 yield _Guard(problem.known[index].of_term(difference), None, difference.constant)
+                if relation.kind in (Kind.ULT, Kind.SLT):
+                    yield _Guard(None, ZERO, difference.constant)
 
 
 def _affine_count(problem: Problem, term: Term) -> int | None:

@@ -123,5 +123,22 @@ def facts(flags: Flags, condition: Condition) -> tuple[Relation, ...]:
     return tuple(relation for relation in found if relation is not None)
 
 
+def tells_all(flags: Flags, condition: Condition) -> bool:
+    """Whether `facts` say exactly what the condition and its negation say."""
+    match condition:
+        case Condition.AL:
+            return True
+        case Condition.EQ | Condition.NE:
+            return flags.z is not None
+        case Condition.CS | Condition.CC:
+            return flags.c is not None
+        case Condition.MI | Condition.PL:
+            return flags.n is not None
+        case Condition.VS | Condition.VC:
+            return False
+        case _:
+            return flags.compared is not None
+
+
 def _not(relation: Relation | None) -> Relation | None:
     return None if relation is None else relation.negated

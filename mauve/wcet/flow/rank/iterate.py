@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from mauve.wcet.flow.locations import WORD, Interval
-from mauve.wcet.flow.rank.measures import Contradiction, Knowledge, hull, learn, pull_halves
+from mauve.wcet.flow.rank.measures import Contradiction, Knowledge, hull, intersection, learn, pull_halves
 from mauve.wcet.flow.rank.problem import Problem
 from mauve.wcet.flow.rank.terms import (
     Atom,
@@ -16,7 +16,7 @@ from mauve.wcet.flow.rank.terms import (
     add,
     atom,
     atoms,
-    meet,
+    interval,
     simplify,
     substitute,
     subtract,
@@ -136,11 +136,25 @@ def _step(
     try:
         for measure, values in zip(measures, current, strict=True):
             knowledge.narrow(measure, values)
+        for distance in distances:
+            _propagate(knowledge, distance)
         learn(knowledge, problem.passes[index].known, 1)
     except Contradiction:
         return None
     ranges = _with_distances(knowledge, distances)
-    return [Interval(0, WORD - 1) if t is None else _value(t, knowledge, ranges, distances) for t in after]
+    try:
+        return [Interval(0, WORD - 1) if t is None else _value(t, knowledge, ranges, distances) for t in after]
+    except Contradiction:
+        return None
+
+
+def _propagate(knowledge: Knowledge, distance: _Distance) -> None:
+    """x = y + (x - y), and y = x - (x - y)."""
+    apart = knowledge.of_term(distance.term)
+    y = knowledge.of_atom(distance.y)
+    knowledge.narrow(atom(distance.x), interval(y.low + apart.low, y.high + apart.high))
+    x = knowledge.of_atom(distance.x)
+    knowledge.narrow(atom(distance.y), interval(x.low - apart.high, x.high - apart.low))
 
 
 def _with_distances(knowledge: Knowledge, distances: list[_Distance]) -> Ranges:
@@ -162,5 +176,8 @@ def _value(term: Term, knowledge: Knowledge, ranges: Ranges, distances: list[_Di
         whole = add(atom(distance.y), atom(distance.name))
         there = substitute(plain, lambda of, d=distance, w=whole: w if of == d.x else None)  # type: ignore[misc]
         if there is not None and there != plain:
-            best = meet(best, renamed.of_term(pull_halves(there, ranges)))
+            both = intersection(best, renamed.of_term(pull_halves(there, ranges)))
+            if both is None:
+                raise Contradiction
+            best = both
     return best

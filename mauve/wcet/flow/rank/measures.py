@@ -73,7 +73,19 @@ class Knowledge:
             if coefficient == 1:
                 self.atoms[of] = moved
                 return
+            self._narrow_multiple(of, signed(coefficient), moved)
         self.terms[term.parts] = moved
+
+    def _narrow_multiple(self, of: Atom, factor: int, to: Interval) -> None:
+        """Learn that factor * atom lies in `to`, where the product does not wrap."""
+        if factor < 0:
+            factor, to = -factor, interval(-to.high, -to.low)
+        (low, high), (least, most) = self.of_atom(of).unsigned, to.unsigned
+        if high * factor < WORD:
+            low, high = max(low, -(-least // factor)), min(high, most // factor)
+            if low > high:
+                raise Contradiction
+            self.atoms[of] = Interval(low, high)
 
 
 def shift(of: Interval, by: int) -> Interval:
@@ -131,6 +143,8 @@ def _learn(knowledge: Knowledge, relation: Relation) -> None:
         raise Contradiction
     if high - low < WORD - 1:
         knowledge.narrow(difference, interval(low, high))
+    if relation.kind in (Kind.SLT, Kind.ULT):
+        _exclude(knowledge, difference, Interval(0, 0))
 
 
 def _learn_masked(knowledge: Knowledge, masked: Term) -> None:
@@ -215,7 +229,7 @@ def _proper(low: int, high: int) -> Interval:
 
 def correlated_bounds(term: Term, ranges: Ranges) -> Interval:
     """`bounds`, tighter where the term holds x and x >> k: c*x + d*(x >> k) grows with x when c >= 0 and c + d >= 0."""
-    plain = bounds(term, ranges)
+    plain = _remainder_bounds(term, ranges, bounds(term, ranges))
     coefficients = dict(term.parts)
     for part, factor in term.parts:
         if not (isinstance(part, Apply) and part.op in (Op.LSR, Op.ASR) and part.args[1].is_constant):
@@ -233,6 +247,21 @@ def correlated_bounds(term: Term, ranges: Ranges) -> Interval:
         rest = Term(term.constant, frozenset(p for p in term.parts if p[0] not in (of, part)), term.size)
         others = bounds(rest, ranges)
         plain = meet(plain, interval(ends[0] + others.low, ends[1] + others.high))
+    return plain
+
+
+def _remainder_bounds(term: Term, ranges: Ranges, plain: Interval) -> Interval:
+    """Tighter where the term holds x - d * (x / d), unsigned: that is less than d."""
+    for part, factor in term.parts:
+        if not (isinstance(part, Apply) and part.op is Op.UDIV and part.args[1].is_constant):
+            continue
+        x, divisor = part.args[0], part.args[1].constant
+        if divisor and signed(factor) == -divisor:
+            rest = add(add(term, x, -1), atom(part), divisor)
+            if part not in dict(rest.parts) and rest.size < term.size:
+                others = bounds(rest, ranges)
+                high = min(divisor - 1, bounds(x, ranges).unsigned[1])
+                plain = meet(plain, interval(others.low, others.high + high))
     return plain
 
 

@@ -44,7 +44,7 @@ from mauve.wcet.flow.locations import (
     NoValues,
     Region,
 )
-from mauve.wcet.flow.rank.flags import UNKNOWN, Flags, carry_term, facts, set_carry, set_flags
+from mauve.wcet.flow.rank.flags import UNKNOWN, Flags, carry_term, facts, set_carry, set_flags, tells_all
 from mauve.wcet.flow.rank.frame import Frame, analyse_frame
 from mauve.wcet.flow.rank.liveness import FLAGS, live_registers
 from mauve.wcet.flow.rank.terms import (
@@ -87,10 +87,12 @@ class State:
     lost: tuple[Region, ...] = ()
     flags: Flags = UNKNOWN
     known: frozenset[Relation] = frozenset()
+    vague: bool = False
+    """the relations do not tell all decisions on the way here"""
 
     def copy(self) -> State:
         """A state that can be changed alone."""
-        return State(dict(self.registers), dict(self.cells), self.lost, self.flags, self.known)
+        return State(dict(self.registers), dict(self.cells), self.lost, self.flags, self.known, self.vague)
 
 
 @dataclass(frozen=True, slots=True)
@@ -202,6 +204,12 @@ def _passes(program: Program, loop: Loop) -> list[State]:
     return _merged(program, states, program.live[loop.header])
 
 
+def exit_states(program: Program, loop: Loop) -> list[State]:
+    """The states on the edges that lead out of a loop, in terms of the values at the start of its header."""
+    start = initial_state(program, loop.header)
+    return [s for e, s in _walk(program, loop.header, loop.blocks, start, None) if e not in loop.back_edges]
+
+
 def entry_states(program: Program) -> dict[int, list[State]]:
     """For each loop header, the states when control comes from outside, in terms of values at the function's entry."""
     if program.nest.irreducible:
@@ -304,12 +312,14 @@ def after_edge(program: Program, last: Instruction, index: int, edge: Edge, stat
     if isinstance(last.flow, CompareBranch):
         kind = Kind.NE if last.flow.nonzero != falls else Kind.EQ
         value = after.registers.get(last.flow.register)
+        after.vague |= value is None
         if value is not None and not _learn(after, (Relation(kind, value, ZERO),)):
             return None
     elif last.condition is not Condition.AL:
         condition = last.condition.negated if falls else last.condition
         if not _learn(after, facts(state.flags, condition)):
             return None
+        after.vague |= not tells_all(state.flags, condition)
     if falls:
         return after
     _perform(program, last, after)
@@ -322,6 +332,7 @@ def _step(program: Program, instruction: Instruction, state: State) -> list[Stat
     """The states after an instruction that does not branch: two when it is conditional and both cases are possible."""
     result = []
     if instruction.condition is not Condition.AL:
+        state.vague |= not tells_all(state.flags, instruction.condition)
         skipped = state.copy()
         if _learn(skipped, facts(state.flags, instruction.condition.negated)):
             result.append(skipped)
@@ -576,6 +587,7 @@ def _merged(program: Program, states: list[State], live: frozenset[int] | None) 
                 other.flags,
             ):
                 other.known &= state.known
+                other.vague |= state.vague
                 break
         else:
             kept.append(state)
@@ -604,7 +616,7 @@ def _joined(program: Program, states: list[State]) -> State:
             lost += (region_of(cell),)
     flags = first.flags if all(s.flags == first.flags for s in rest) else UNKNOWN
     known = frozenset.intersection(*(s.known for s in states))
-    return State(registers, cells, lost, flags, known)
+    return State(registers, cells, lost, flags, known, vague=True)
 
 
 def _peek(state: State, cell: Cell) -> Term | None:

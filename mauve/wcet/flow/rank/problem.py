@@ -13,6 +13,7 @@ from mauve.wcet.flow.locations import WORD, Interval, Location
 from mauve.wcet.flow.rank.measures import Contradiction, Knowledge, hull, learn
 from mauve.wcet.flow.rank.paths import Program, State, value_at
 from mauve.wcet.flow.rank.terms import (
+    Atom,
     Fresh,
     Kind,
     Ranges,
@@ -24,6 +25,7 @@ from mauve.wcet.flow.rank.terms import (
     atoms,
     bounds,
     meet,
+    number,
     scale,
     static_range,
     substitute,
@@ -90,6 +92,7 @@ def pose(
     kept: list[State] = []
     known: list[Knowledge] = []
     for state in passes:
+        _settle_constants(state, ranges)
         _eliminate(state)
         state.known = _telling(state.known)
         try:
@@ -104,6 +107,22 @@ def pose(
         except Contradiction:
             continue
     return Problem(program, ranges, entry_ranges, kept, known, possible)
+
+
+def _settle_constants(state: State, ranges: Ranges) -> None:
+    """Write numbers for the variables that are the same number in every iteration."""
+
+    def number_of(of: Atom) -> Term | None:
+        known = ranges(of) if isinstance(of, Var) else None
+        return number(known.low) if known is not None and known.low == known.high else None
+
+    def change(term: Term) -> Term:
+        return substitute(term, number_of) or term
+
+    if any(number_of(of) is not None for r in state.known for t in (r.a, r.b) for of in atoms(t)):
+        state.registers = {r: change(t) for r, t in state.registers.items()}
+        state.cells = {c: change(t) for c, t in state.cells.items()}
+        state.known = frozenset({Relation(r.kind, change(r.a), change(r.b)) for r in state.known})
 
 
 def _telling(known: frozenset[Relation]) -> frozenset[Relation]:

@@ -26,7 +26,7 @@ def bits_cleared(problem: Problem) -> int | None:
                 break
             knowledge = problem.known[index]
             before &= not contains(knowledge.of_term(x), 0) or _differs_from_zero(state, x)
-            after &= not contains(knowledge.of_term(new), 0) or _differs_from_zero(state, new)
+            after &= not contains(knowledge.of_term(new), 0) or any(_differs_from_zero(state, t) for t in _cleared(x))
         else:
             width = problem.on_entry(x).unsigned[1].bit_length()
             if after:
@@ -41,6 +41,11 @@ def _differs_from_zero(state: State, term: Term) -> bool:
 
 
 def _clears_lowest(x: Term, new: Term) -> bool:
+    return new in _cleared(x)
+
+
+def _cleared(x: Term) -> list[Term]:
+    """x without its lowest set bit, in all the ways to write that."""
     minus = subtract(ZERO, x)
     less = subtract(x, number(1))
     lowest = [compute(Op.AND, x, minus), compute(Op.AND, minus, x)]
@@ -51,7 +56,7 @@ def _clears_lowest(x: Term, new: Term) -> bool:
         forms += [subtract(x, bit), compute(Op.XOR, x, bit), compute(Op.XOR, bit, x)]
         inverted = subtract(number(-1), bit)
         forms += [compute(Op.AND, x, inverted), compute(Op.AND, inverted, x)]
-    return new in [form for form in forms if form is not None]
+    return [form for form in forms if form is not None]
 
 
 def remainders(problem: Problem) -> int | None:
@@ -86,7 +91,9 @@ def _is_remainder(term: Term, a: Term, b: Term) -> bool:
     if quotient is None:
         return False
     products = [compute(Op.MUL, quotient, b), compute(Op.MUL, b, quotient)]
-    return term in [subtract(a, product) for product in products if product is not None]
+    rests = [subtract(a, product) for product in products if product is not None]
+    # A remainder cut to fewer bits is no greater, and the argument needs no more.
+    return term in [*rests, *(compute(op, rest, ZERO) for rest in rests for op in (Op.UXTH, Op.UXTB))]
 
 
 def _lame(greatest: int) -> int:

@@ -141,6 +141,8 @@ def _atom_size(of: Atom) -> int:
 
 
 def _linear(constant: int, parts: dict[Atom, int]) -> Term:
+    if len(parts) > 1:
+        _gather_division(parts)
     kept = frozenset((a, c % WORD) for a, c in parts.items() if c % WORD)
     return Term(constant % WORD, kept, sum(_atom_size(a) for a, _ in kept))
 
@@ -195,6 +197,8 @@ def fold(op: Op, a: int, b: int) -> int | None:
             return (signed(a) * signed(b) >> 32) % WORD
         case Op.UDIV:
             return a // b if b else 0
+        case Op.SDIV:
+            return _truncated(signed(a), signed(b)) % WORD
         case Op.CLZ:
             return 32 - a.bit_length()
         case Op.UXTB:
@@ -207,6 +211,11 @@ def fold(op: Op, a: int, b: int) -> int | None:
             return ((a & 0xFFFF ^ 0x8000) - 0x8000) % WORD
         case _:
             return None
+
+
+def _truncated(a: int, b: int) -> int:
+    """a / b rounded towards zero; 0 when b is."""
+    return (abs(a) // abs(b)) * (1 if (a < 0) == (b < 0) else -1) if b else 0
 
 
 _UNARY = {Op.CLZ, Op.RBIT, Op.REV, Op.REV16, Op.REVSH, Op.SXTB, Op.SXTH, Op.UXTB, Op.UXTH}
@@ -242,7 +251,7 @@ def _limited(term: Term) -> Term | None:
 
 
 def _simplified(op: Op, a: Term, b: Term) -> Term | None:
-    if op in _COMMUTATIVE and a.is_constant:
+    if op in _COMMUTATIVE and a.is_constant and not b.is_constant:
         a, b = b, a
     match op:
         case Op.LSR | Op.ASR | Op.ROR if b.is_constant and b.constant & 0xFF == 0:
@@ -261,10 +270,83 @@ def _simplified(op: Op, a: Term, b: Term) -> Term | None:
             return subtract(b, a)
         case Op.AND if b.is_constant and b.constant in (0xFF, 0xFFFF):
             op, b = (Op.UXTB if b.constant == 0xFF else Op.UXTH), ZERO
+    if op in (Op.LSR, Op.ASR) and b.is_constant and b.constant in (16, 24):
+        narrow = _without_shift(op, a, b.constant)
+        if narrow is not None:
+            return narrow
+    divided = _as_division(op, a, b)
+    if divided is not None:
+        return atom(divided)
     args = (a,) if op in _UNARY else (a, b)
     if op in (Op.UXTB, Op.UXTH) and within(bounds(a), 0, 0xFF if op is Op.UXTB else 0xFFFF):
         return a
     return _limited(atom(Apply(op, args)))
+
+
+def _without_shift(op: Op, a: Term, amount: int) -> Term | None:
+    """(x << 16) >> 16 and (x << 24) >> 24 are extensions, as older cores write them."""
+    unit = 1 << amount
+    if a.constant % unit or any(factor % unit for _, factor in a.parts):
+        return None
+    x = _linear(a.constant >> amount, {of: signed(factor) // unit for of, factor in a.parts})
+    extensions = {(Op.LSR, 16): Op.UXTH, (Op.LSR, 24): Op.UXTB, (Op.ASR, 16): Op.SXTH, (Op.ASR, 24): Op.SXTB}
+    return _simplified(extensions[op, amount], x, ZERO)
+
+
+# ------------------------------------------------------------------------------------------------------- divisions
+def _as_division(op: Op, a: Term, b: Term) -> Apply | None:
+    """What compilers write for divisions by constants, as what it is: umulh(x, m) >> s with m the rounded-up inverse of
+    the divisor (Granlund and Montgomery, "Division by invariant integers using multiplication", theorem 4.2), and
+    (x + (x >> 31)) >> 1 with the first shift unsigned for a signed half."""
+    if not b.is_constant or a.constant or not 0 < b.constant < 32:
+        return None
+    inner = _only_atom(a)
+    if op is Op.LSR and inner is not None and inner.op is Op.UMULH:
+        divisor = _inverse(inner.args[1], 32 + b.constant, 1 << b.constant)
+        return None if divisor is None else Apply(Op.UDIV, (inner.args[0], number(divisor)))
+    if op is Op.ASR and b.constant == 1 and len(a.parts) == 2:
+        for part, factor in a.parts:
+            if isinstance(part, Apply) and part.op is Op.LSR and part.args[1] == number(31) and factor == 1:
+                x = part.args[0]
+                if subtract(a, atom(part)) == x:
+                    return Apply(Op.SDIV, (x, number(2)))
+    return None
+
+
+def _gather_division(parts: dict[Atom, int]) -> None:
+    """(smulh(x, m) >> s) - (x >> 31) is a signed division (theorem 5.1 of the same paper)."""
+    for part, factor in list(parts.items()):
+        if not (isinstance(part, Apply) and part.op is Op.ASR and part.args[1].is_constant):
+            continue
+        inner, shift = _only_atom(part.args[0]), part.args[1].constant & 0xFF
+        if inner is None or inner.op is not Op.SMULH or part.args[0].constant or shift > 30:
+            continue
+        sign = Apply(Op.ASR, (inner.args[0], number(31)))
+        divisor = _inverse(inner.args[1], 32 + shift, 1 << shift + 1)
+        if divisor is None or divisor & (divisor - 1) == 0 or inner.args[1].constant >= HALF:
+            continue  # the theorem asks for a factor above the inverse
+        if (parts.get(sign, 0) + factor) % WORD == 0:
+            del parts[part], parts[sign]
+            whole = Apply(Op.SDIV, (inner.args[0], number(divisor)))
+            parts[whole] = parts.get(whole, 0) + factor
+            return
+
+
+def _only_atom(term: Term) -> Apply | None:
+    """The application that the term is, if it is one."""
+    if len(term.parts) != 1 or term.constant:
+        return None
+    ((of, factor),) = term.parts
+    return of if factor == 1 and isinstance(of, Apply) else None
+
+
+def _inverse(factor: Term, bits: int, error: int) -> int | None:
+    """The divisor d with 2**bits <= factor * d <= 2**bits + error, where multiplying by the factor and shifting by
+    `bits` divides by d exactly for all operands."""
+    if not factor.is_constant or not factor.constant:
+        return None
+    divisor = -(-(1 << bits) // factor.constant)
+    return divisor if divisor > 1 and factor.constant * divisor - (1 << bits) <= error else None
 
 
 # ------------------------------------------------------------------------------------------------------- intervals
@@ -355,6 +437,11 @@ def _apply_bounds(op: Op, a: Interval, b: Interval) -> Interval:
             return Interval(al * bl >> 32, ah * bh >> 32)
         case Op.UDIV:
             return Interval(al // bh if bl else 0, ah // max(bl, 1))
+        case Op.SMULH:
+            ends = [x * y >> 32 for x in a.signed for y in b.signed]
+            return interval(min(ends), max(ends))
+        case Op.SDIV if bl == bh and signed(bl) > 0:
+            return interval(_truncated(a.signed[0], bl), _truncated(a.signed[1], bl))
         case Op.CLZ:
             return Interval(32 - ah.bit_length(), 32 - al.bit_length())
         case Op.UXTB | Op.UXTH:
