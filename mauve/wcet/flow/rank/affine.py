@@ -49,15 +49,31 @@ def affine(problem: Problem) -> int | None:
     return best
 
 
+MOST_SUMMED = 6
+"""Terms of which sums are tried: with two counters of which each pass moves one, their sum moves in every pass."""
+
+
 def _moving_terms(problem: Problem) -> Iterator[Term]:
-    """Candidates for the moving term, without constants: the sides of the first pass's relations, their difference."""
-    seen: set[Term] = set()
-    for relation in sorted(problem.passes[0].known, key=str):
-        for side in (relation.a, relation.b, subtract(relation.a, relation.b)):
-            bare = Term(0, side.parts, side.size)
-            if side.parts and bare not in seen and is_header_term(bare) and not problem.is_invariant(bare):
-                seen.add(bare)
-                yield bare
+    """Candidates for the moving term, without constants: the sides of the first pass's relations, their difference,
+    and the sums and differences of two such of all passes."""
+    seen: dict[Term, None] = {}
+    for index, state in enumerate(problem.passes):
+        for relation in sorted(state.known, key=str):
+            for side in (relation.a, relation.b, subtract(relation.a, relation.b)):
+                bare = Term(0, side.parts, side.size)
+                if side.parts and bare not in seen and is_header_term(bare) and not problem.is_invariant(bare):
+                    seen[bare] = None
+                    if index == 0:
+                        yield bare
+    if not 1 < len(problem.passes) <= MOST_SUMMED:
+        return
+    terms = sorted(seen, key=lambda term: (term.size, str(term)))[:MOST_SUMMED]
+    for position, first in enumerate(terms):
+        for second in terms[:position]:
+            for both in (add(first, second), subtract(first, second)):
+                if both.parts and both not in seen:
+                    seen[both] = None
+                    yield both
 
 
 def _guards(problem: Problem, index: int, term: Term) -> Iterator[_Guard]:

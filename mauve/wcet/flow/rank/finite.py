@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable
 from math import prod
 
-from mauve.wcet.flow.rank.paths import Program, State, value_at
+from mauve.wcet.flow.rank.merging import value_at
+from mauve.wcet.flow.rank.paths import Program, State
 from mauve.wcet.flow.rank.problem import Problem
 from mauve.wcet.flow.rank.terms import Fresh, Term, Truth, Var, atoms
 

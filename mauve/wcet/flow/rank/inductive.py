@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 from mauve.wcet.binary.loops import Loop
 from mauve.wcet.flow.locations import ANY, HALF, WORD, Interval, Location
@@ -10,7 +10,7 @@ from mauve.wcet.flow.rank.iterate import MOST_MEASURES, Engine
 from mauve.wcet.flow.rank.measures import contains, hull
 from mauve.wcet.flow.rank.paths import Program, State, summarise_loop
 from mauve.wcet.flow.rank.problem import Problem, pose
-from mauve.wcet.flow.rank.terms import Var, meet
+from mauve.wcet.flow.rank.terms import Var, meet, signed
 
 _EXACT_ROUNDS = 4
 MOST_PASSES = 6
@@ -36,12 +36,13 @@ def inductive_of(problem: Problem) -> Mapping[Location, Interval]:
         return {}
     entry = engine.start()
     current = entry
-    for round_number in range(_EXACT_ROUNDS + 4 * len(entry)):
+    marks = _marks(problem)
+    for round_number in range(_EXACT_ROUNDS + 4 * len(entry) + len(marks)):
         grown = _round(engine, entry, current)
         if all(_inside(g, c) for g, c in zip(grown, current, strict=True)):
             break
         if round_number >= _EXACT_ROUNDS:
-            grown = [_widen(c, g) for c, g in zip(current, grown, strict=True)]
+            grown = [_widen(c, g, marks) for c, g in zip(current, grown, strict=True)]
         current = grown
     else:
         return {}
@@ -70,14 +71,34 @@ def _inside(inner: Interval, outer: Interval) -> bool:
     )
 
 
-def _widen(old: Interval, new: Interval) -> Interval:
-    """An interval around both, with its moving end at the end of a reading."""
+def _marks(problem: Problem) -> list[int]:
+    """The numbers that the passes compare with, and their neighbours: where intervals stop growing first."""
+    found: set[int] = set()
+    for state in problem.passes:
+        for relation in state.known:
+            limit = signed(relation.b.constant - relation.a.constant)
+            found.update(sign * limit + offset for sign in (1, -1) for offset in (-1, 0, 1))
+    return sorted(found)[:_MOST_MARKS]
+
+
+_MOST_MARKS = 24
+
+
+def _widen(old: Interval, new: Interval, marks: Sequence[int]) -> Interval:
+    """An interval around both, with its moving end at the next mark or at the end of a reading."""
     both = hull([old, new])
     if both.low == old.low and both.high == old.high:
         return old
     low, high = both.low, both.high
     if low == old.low and high < WORD:
+        mark = next((mark for mark in marks if mark >= high), None)
+        if mark is not None and high < HALF:
+            return Interval(low, mark)
         return Interval(low, HALF - 1 if high < HALF else WORD - 1)
+    if high == old.high and high < HALF:
+        mark = next((mark for mark in reversed(marks) if mark <= low), None)
+        if mark is not None:
+            return Interval(mark, high)
     if high == old.high and low >= 0 and high < WORD:
         return Interval(0, high)
     if high == old.high and high < HALF:

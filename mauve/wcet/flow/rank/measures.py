@@ -16,6 +16,7 @@ from mauve.wcet.flow.rank.terms import (
     Relation,
     Term,
     add,
+    apply_bounds,
     atom,
     bounds,
     compute,
@@ -44,7 +45,11 @@ class Knowledge:
     def of_atom(self, of: Atom) -> Interval:
         """What is known of an atom."""
         known = self.atoms.get(of)
-        return self.base(of) if known is None else meet(known, self.base(of))
+        best = self.base(of) if known is None else meet(known, self.base(of))
+        if isinstance(of, Apply) and of.args[0].parts in self.terms:
+            second = self.of_term(of.args[1]) if len(of.args) > 1 else Interval(0, 0)
+            best = meet(best, apply_bounds(of.op, self.of_term(of.args[0]), second))
+        return best
 
     def of_term(self, term: Term) -> Interval:
         """What is known of a term."""

@@ -47,6 +47,7 @@ from mauve.wcet.flow.locations import (
 from mauve.wcet.flow.rank.flags import UNKNOWN, Flags, carry_term, facts, set_carry, set_flags, tells_all
 from mauve.wcet.flow.rank.frame import Frame, analyse_frame
 from mauve.wcet.flow.rank.liveness import FLAGS, live_registers
+from mauve.wcet.flow.rank.merging import MOST_STATES, joined, merged, overlap, region_of
 from mauve.wcet.flow.rank.terms import (
     ZERO,
     FrameBase,
@@ -67,8 +68,6 @@ from mauve.wcet.flow.rank.terms import (
 
 FEW_PASSES = 6
 """More passes than this through a loop are summarised again, coarsely."""
-MOST_STATES = 16
-"""States kept apart at one block."""
 
 ALL_FRAME = Region(Base.SP, -WORD, WORD)
 ALL_MEMORY = Region(Base.ABSOLUTE, 0, WORD)
@@ -201,7 +200,7 @@ def _passes(program: Program, loop: Loop) -> list[State]:
     for edge, state in _walk(program, loop.header, loop.blocks, initial_state(program, loop.header), None):
         if edge in loop.back_edges:
             states.append(state)
-    return _merged(program, states, program.live[loop.header])
+    return merged(program, states, program.live[loop.header])
 
 
 def exit_states(program: Program, loop: Loop) -> list[State]:
@@ -235,14 +234,14 @@ def _walk(
     pending: dict[int, list[State]] = {start: [state]}
     loops = {loop.header: loop for loop in program.nest.loops}
     for block in _order(program, start, blocks):
-        states = _merged(program, pending.pop(block, []), program.live[block])
+        states = merged(program, pending.pop(block, []), program.live[block])
         if not states:
             continue
         if block in loops and (block != start or headers is not None):
             if headers is not None:
                 headers[block] = [s.copy() for s in states]
             _enter_loop(program, loops[block], states)
-            states = _merged(program, states, program.live[block])
+            states = merged(program, states, program.live[block])
         for edge, after in _execute_block(program, block, states):
             target = program.cfg.edges[edge].target
             if edge in program.back_edges or target not in blocks:
@@ -290,7 +289,7 @@ def _execute_block(program: Program, block: int, states: list[State]) -> Iterabl
     for instruction in instructions[:-1]:
         states = [after for state in states for after in _step(program, instruction, state)]
         if len(states) > 2 * MOST_STATES:
-            states = _merged(program, states, None)
+            states = merged(program, states, None)
     last = instructions[-1]
     edges = [(index, program.cfg.edges[index]) for index in program.leaving.get(block, ())]
     for state in states:
@@ -342,7 +341,7 @@ def _step(program: Program, instruction: Instruction, state: State) -> list[Stat
     if isinstance(instruction.flow, SupervisorCall):
         _call(program, state, AAPCS)
     if program.coarse and result and state.flags == result[0].flags:
-        return [_joined(program, [state, *result])]
+        return [joined(program, [state, *result])]
     return [state, *result]
 
 
@@ -449,16 +448,6 @@ def locate(address: Term, size: int) -> Cell | None:
     if address.parts == frozenset({(FrameBase(), 1)}):
         return Cell(Base.SP, signed(address.constant), size)
     return None
-
-
-def overlap(cell: Cell, region: Region) -> bool:
-    """Whether the cell has a byte in the region."""
-    return cell.base is region.base and cell.offset <= region.high and region.low < cell.offset + cell.size
-
-
-def region_of(cell: Cell) -> Region:
-    """The bytes of the cell."""
-    return Region(cell.base, cell.offset, cell.offset + cell.size - 1)
 
 
 def _load(program: Program, state: State, address: Term, size: int) -> Term:
@@ -568,84 +557,3 @@ def loop_changes(program: Program, loop: Loop) -> Changes:
                 memory |= changes.memory
     kept = program.frame.offsets[loop.header]
     return Changes(frozenset(r for r in registers if r <= 15 and r not in kept) | {FLAGS}, frozenset(memory))
-
-
-# ----------------------------------------------------------------------------------------------------------- merging
-def _merged(program: Program, states: list[State], live: frozenset[int] | None) -> list[State]:
-    """States with the same live values become one; when there are still too many, all do."""
-    kept: list[State] = []
-    for state in states:
-        if live is not None:
-            state.registers = {r: t for r, t in state.registers.items() if r in live or r == 13}
-            if FLAGS not in live:
-                state.flags = UNKNOWN
-        for other in kept:
-            if (state.registers, state.cells, state.lost, state.flags) == (
-                other.registers,
-                other.cells,
-                other.lost,
-                other.flags,
-            ):
-                other.known &= state.known
-                other.vague |= state.vague
-                break
-        else:
-            kept.append(state)
-    if len(kept) <= MOST_STATES:
-        return kept
-    program.joined = True
-    return [_joined(program, kept)]
-
-
-def _joined(program: Program, states: list[State]) -> State:
-    """One state that covers all: what differs becomes unknown, a constant difference becomes a small range."""
-    first, rest = states[0], states[1:]
-    if not rest:
-        return first
-    registers = {}
-    for register in first.registers:
-        terms = [s.registers.get(register) for s in states]
-        registers[register] = _joined_terms(program, terms)
-    cells: dict[Cell, Term] = {}
-    lost = tuple(dict.fromkeys(r for s in states for r in s.lost))
-    for cell in dict.fromkeys(c for s in states for c in s.cells):
-        values = [_peek(s, cell) for s in states]
-        if all(v is not None for v in values):
-            cells[cell] = _joined_terms(program, values, (1 << 8 * cell.size) - 1)
-        elif region_of(cell) not in lost:
-            lost += (region_of(cell),)
-    flags = first.flags if all(s.flags == first.flags for s in rest) else UNKNOWN
-    known = frozenset.intersection(*(s.known for s in states))
-    return State(registers, cells, lost, flags, known, vague=True)
-
-
-def _peek(state: State, cell: Cell) -> Term | None:
-    """The cell's value if the state knows it, also when it is still the one of the start."""
-    if cell in state.cells:
-        return state.cells[cell]
-    if any(overlap(cell, region_of(c)) for c in state.cells) or any(overlap(cell, r) for r in state.lost):
-        return None
-    return variable(cell)
-
-
-def _joined_terms(program: Program, terms: list[Term | None], top: int = WORD - 1) -> Term:
-    first = terms[0]
-    if first is None or any(t is None for t in terms):
-        return program.unknown(0, top)
-    if all(t == first for t in terms):
-        return first
-    low = high = 0
-    for term in terms:
-        assert term is not None
-        difference = bounds(subtract(term, first)).signed
-        low, high = min(low, difference[0]), max(high, difference[1])
-    if high - low < 1 << 16:
-        return add(first, program.unknown(low, high))
-    return program.unknown(0, top)
-
-
-def value_at(program: Program, state: State, location: Location) -> Term:
-    """The value of a register or cell in a state."""
-    if isinstance(location, int):
-        return state.registers.get(location) or program.unknown()
-    return _peek(state, location) or program.unknown(0, (1 << 8 * location.size) - 1)

@@ -11,7 +11,8 @@ from dataclasses import dataclass
 
 from mauve.wcet.flow.locations import WORD, Interval, Location
 from mauve.wcet.flow.rank.measures import Contradiction, Knowledge, hull, learn
-from mauve.wcet.flow.rank.paths import Program, State, value_at
+from mauve.wcet.flow.rank.merging import value_at
+from mauve.wcet.flow.rank.paths import Program, State
 from mauve.wcet.flow.rank.terms import (
     Atom,
     Fresh,

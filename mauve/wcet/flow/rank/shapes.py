@@ -5,7 +5,8 @@ from __future__ import annotations
 from mauve.wcet.binary.microop import Op
 from mauve.wcet.flow.locations import HALF, Location
 from mauve.wcet.flow.rank.measures import contains
-from mauve.wcet.flow.rank.paths import State, value_at
+from mauve.wcet.flow.rank.merging import value_at
+from mauve.wcet.flow.rank.paths import State
 from mauve.wcet.flow.rank.problem import Problem, locations
 from mauve.wcet.flow.rank.terms import ZERO, Kind, Relation, Term, Truth, add, compute, number, subtract, variable
 

@@ -399,7 +399,7 @@ def _atom_bounds(of: Atom, ranges: Ranges) -> Interval:
     if not isinstance(of, Apply):
         return known
     arguments = [bounds(arg, ranges) for arg in of.args]
-    return meet(known, _apply_bounds(of.op, arguments[0], arguments[1] if len(arguments) > 1 else Interval(0, 0)))
+    return meet(known, apply_bounds(of.op, arguments[0], arguments[1] if len(arguments) > 1 else Interval(0, 0)))
 
 
 def meet(a: Interval, b: Interval) -> Interval:
@@ -415,7 +415,8 @@ def meet(a: Interval, b: Interval) -> Interval:
     return best
 
 
-def _apply_bounds(op: Op, a: Interval, b: Interval) -> Interval:
+def apply_bounds(op: Op, a: Interval, b: Interval) -> Interval:
+    """The values of an operation on values of two intervals."""
     (al, ah), (bl, bh) = a.unsigned, b.unsigned
     match op:
         case Op.AND:
