@@ -23,7 +23,7 @@ TAIL = (1 << WORD) - 1
 
 @record
 class CFiles:
-    """The texts of `stem.h` and `stem.c`; all names that a linker sees begin with the stem."""
+    """The texts of `stem.h` and `stem.c`; all names that a linker sees begin with the stem, as far as C allows."""
 
     stem: str
     header: str
@@ -31,14 +31,18 @@ class CFiles:
 
 
 def c_files(controller: Controller, stem: str | None = None) -> CFiles:
-    """The controller in C. The stem is made from the mission's name where none is given."""
-    stem = stem if stem is not None else re.sub(r"[^a-z0-9]", "_", controller.name.lower())
-    if not re.match(r"[a-z]", stem):
-        stem = f"mission_{stem}"
+    """The controller in C. The stem is made from the mission's name where none is given.
+
+    A stem that is no name in C, as `coral-2`, names the files; the names in them have `_` for what C does not allow.
+    """
+    name = re.sub(r"[^A-Za-z0-9]", "_", controller.name.lower() if stem is None else stem)
+    if not re.match(r"[A-Za-z]", name):
+        name = f"mission_{name}"
+    stem = name if stem is None else stem
     reaction = controller.reaction
     step = _rules(reaction) if isinstance(reaction, Rules) else _cascades(reaction)
     source = "\n".join([code.SOURCE_HEAD, _names(controller), _reset(controller), step, _observers(controller)])
-    words = {"name": stem, "NAME": stem.upper(), "words": str(controller.words)}
+    words = {"file": stem, "name": name, "NAME": name.upper(), "words": str(controller.words)}
     return CFiles(stem, Template(_header(controller)).substitute(words), Template(source).substitute(words))
 
 

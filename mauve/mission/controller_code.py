@@ -44,7 +44,7 @@ void ${name}_report(const ${name}_state *before, const ${name}_state *after,
 """
 
 SOURCE_HEAD = """\
-#include "${name}.h"
+#include "${file}.h"
 """
 
 RESET = """\

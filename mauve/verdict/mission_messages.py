@@ -117,10 +117,9 @@ def _contention(result: MissionResult, span: Span) -> Diagnostic:
     if fired:
         first = min(fired, key=lambda one: one.state)
         notes += [f"either {outcome_text(first.outcomes[0])}", f"or {outcome_text(first.outcomes[1])}"]
-    help_ = Fix(
-        f"do one after the other, give one of them an alternative, or declare `{rival.resource}` as `shared` if it is "
-        "software that can serve both"
-    )
+    help_ = Fix("do one after the other, or let one of them do with something else")
+    if all(device.name != rival.resource for device in mission.hardware):
+        help_ = Fix(f"do one after the other, or declare `{rival.resource}` as `shared` if it can serve both")
     asked = Label(span, "checked here" if span != mission.span else "in this mission")
     primary, *rest = (*labels, asked)
     return Diagnostic("MV709", message, primary, labels=tuple(rest), notes=tuple(notes), help=help_)

@@ -234,8 +234,8 @@ def test_a_cascade_past_the_limit_is_refused_as_a_whole() -> None:
 
 def test_odd_names_stay_apart() -> None:
     _, controller = both(coral())[0]
-    odd = c_files(controller, "9 lives".replace(" ", "_"))
-    assert odd.stem == "mission_9_lives" and "MISSION_9_LIVES_EVENTS" in odd.header
+    odd = c_files(controller, "9 lives")
+    assert "MISSION_9_LIVES_EVENTS" in odd.header and "#include \"9 lives.h\"" in odd.source
     assert "RUN_LOCALISATION_GPS" in python_twin(controller)
 
 

@@ -148,10 +148,13 @@ mission CoralStudy
 """
 
 
-def test_the_controller_in_c_compiles(good: str, tmp_path: Path) -> None:
-    source = tmp_path / "robot.c"
+@pytest.mark.parametrize(
+    ("stem", "name"), [("robot", "robot"), ("Coral-study 2", "Coral_study_2"), ("3d", "mission_3d")]
+)
+def test_the_controller_in_c_compiles(stem: str, name: str, good: str, tmp_path: Path) -> None:
+    source = tmp_path / f"{stem}.c"
     assert main(["mission", good, "--emit", "c", "-o", str(source)]) == 0
-    assert (tmp_path / "robot.h").exists()
+    assert f"bool {name}_step(" in (tmp_path / f"{stem}.h").read_text(encoding="utf-8")
     command = ["gcc", "-std=c11", "-Wall", "-Wextra", "-Werror", "-c", str(source), "-o", str(tmp_path / "robot.o")]
     assert subprocess.run(command, capture_output=True, text=True, timeout=60).stderr == ""
 
