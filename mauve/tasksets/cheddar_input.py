@@ -21,7 +21,8 @@ POLICIES = {
 }
 """The schedulers that are carried over, and what decides their priorities."""
 
-PROTOCOLS = ("immediate_priority_ceiling_protocol", "no_protocol")
+LAZY, NONE = "priority_ceiling_protocol", "no_protocol"
+PROTOCOLS = ("immediate_priority_ceiling_protocol", LAZY, NONE)
 
 SECTIONS = ("core_units", "processors", "address_spaces", "tasks", "resources")
 """What is read, or never changes a response."""
@@ -131,6 +132,7 @@ class _Model:
         self.sections: dict[str, list[tuple[str, Fraction]]] = {}
         self.spans: dict[Path, Span] = {}
         self.switches: dict[str, set[Fraction]] = {}
+        self.lazy: list[Span] = []
 
     def fault(self, fault: _Unfit) -> None:
         """Report what does not fit."""
@@ -153,6 +155,10 @@ class _Model:
                         self.fault(fault)
         if not self.entries and not self.failed:
             self.fault(_Unfit("MV622", "there is no task in the model", root.span))
+        if self.lazy and any(max(switches) for switches in self.switches.values()):
+            # The bound on blocking is that of the immediate protocol, but a job that is blocked is switched once more.
+            message = "priority ceiling protocol: not carried over beside context switches: it switches more often"
+            self.fault(_Unfit("MV627", message, self.lazy[0]))
         known = {entry.name for entries in self.entries.values() for entry in entries}
         for name in self.sections:
             if name not in known and not self.failed:
@@ -190,15 +196,21 @@ class _Model:
 
     def _resource(self, one: _Element) -> None:
         protocol = one.child("protocol")
-        if protocol is not None and protocol.text.strip().lower() not in PROTOCOLS:
-            message = f"the protocol `{protocol.text.strip().lower()}` is not carried over"
+        kind = protocol.text.strip().lower() if protocol is not None else ""
+        if protocol is not None and kind not in PROTOCOLS:
+            raise _Unfit("MV627", f"the protocol `{kind}` is not carried over", protocol.span)
+        if protocol is not None and kind == LAZY:
+            self.lazy.append(protocol.span)
+        users = {element.text.strip() for each in one.every("critical_sections") for element in each.every("task_name")}
+        if protocol is not None and kind == NONE and len(users) > 1:
+            message = f"nothing raises who holds `{one.said('name')}`: without a protocol, waiting for it has no bound"
             raise _Unfit("MV627", message, protocol.span)
         assigned = one.child("priority_assignment")
         if assigned is not None and assigned.text.strip().lower() == "manual_assignment":
             raise _Unfit("MV627", "a ceiling by hand is not carried over: ceilings are computed", assigned.span)
-        for users in one.every("critical_sections"):
+        for each in one.every("critical_sections"):
             task = ""
-            for element in users.children:
+            for element in each.children:
                 if element.tag == "task_name":
                     task = element.text.strip()
                 elif element.tag == "critical_section":

@@ -224,6 +224,22 @@ def test_other_protocols_and_ceilings_by_hand_are_not_carried_over(schedule: Sch
         assert "[MV627]" in schedule(one, "--format", "json", name="model.xml").err
 
 
+def test_the_priority_ceiling_protocol_blocks_as_the_immediate_one(schedule: Schedule) -> None:
+    text = CHEDDAR.replace("</cheddar>\n", RESOURCE)
+    lazy = text.replace("IMMEDIATE_PRIORITY_CEILING_PROTOCOL", "PRIORITY_CEILING_PROTOCOL")
+    known, found = (schedule(one, "--format", "json", name="model.xml") for one in (text, lazy))
+    assert found.code == known.code == 0 and found.json["tasks"] == known.json["tasks"]
+    assert any(task["blocking"] for task in found.json["tasks"])
+    switched = lazy.replace("<context_switch_overhead>0<", "<context_switch_overhead>1<")
+    assert switched != lazy and "switches more often" in schedule(switched, name="model.xml").err
+
+
+def test_a_resource_without_a_protocol_bounds_nothing_where_tasks_share_it(schedule: Schedule) -> None:
+    text = CHEDDAR.replace("</cheddar>\n", RESOURCE).replace("IMMEDIATE_PRIORITY_CEILING_PROTOCOL", "NO_PROTOCOL")
+    found = schedule(text, "--format", "json", name="model.xml")
+    assert found.code == 1 and "[MV627]" in found.err and "without a protocol" in found.err
+
+
 def test_csv_is_read_with_columns_in_any_order(schedule: Schedule) -> None:
     text = "# a comment\nC,name,prio,T,J\n2, a ,3,10,\n\n4.5,\"b, too\",2,20,1\n"
     found = schedule(text, "--format", "json", name="tasks.csv")
