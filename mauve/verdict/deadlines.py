@@ -79,10 +79,19 @@ def _overload(
     return Diagnostic("MV602", message, Label(node.node.span), severity, labels, "", notes, help_)
 
 
+_BOUNDED_BY = {
+    Reason.FULL_LOAD: "leave some slack: lengthen a period or shorten a codel",
+    Reason.ARRIVALS: "let what wakes it run less often or respond sooner, or give the instance a period",
+    Reason.WAITS: "run the owner of the operation more often, call it less often, or let it run in its caller",
+}
+"""What would bound a response, by why it has no bound."""
+
+
 def _unbounded(deployment: Deployment, placed: PlacedTask, result: ResponseResult, severity: Severity) -> Diagnostic:
     reason = result.reason.value if result.reason else ""
     message = f"the response of `{placed.task.name}` has no bound (deployment `{deployment.name}`)"
-    return Diagnostic("MV605", message, Label(placed.span), severity, notes=(reason,))
+    help_ = Fix(_BOUNDED_BY[result.reason]) if result.reason in _BOUNDED_BY else None
+    return Diagnostic("MV605", message, Label(placed.span), severity, notes=(reason,), help=help_)
 
 
 def _missed(

@@ -104,3 +104,49 @@ def test_an_incomplete_deployment_is_neither_schedulable_nor_as_expected(tmp_pat
     assert not deployment.complete and not deployment.holds and not deployment.as_expected
     assert set(codes(report)) == {"MV520"}
     assert deployment.nodes[0].analysis is None or deployment.nodes[0].tasks.tasks == ()
+
+
+WAITING = """mauve 1
+package waiting
+struct Pose { x, y: f32 }
+component Mapper {
+  var grid: Pose
+  operation locate(): Pose = locate_now runs in owner
+  codel integrate writes grid wcet 1ms
+  codel locate_now reads grid returns Pose wcet 1ms
+  behaviour { initial state Map { method locate_now run integrate } }
+}
+component Planner {
+  method locate(): Pose
+  var pose: Pose
+  codel plan writes pose wcet 4ms
+  behaviour { initial state Plan { run pose = locate() then plan } }
+}
+architecture Robot {
+  instance mapper: Mapper { period 20ms priority 2 deadline 20ms }
+  instance planner: Planner { period 20ms priority 1 deadline 60ms }
+  connect planner.locate -> mapper.locate
+}
+board bare {
+  cpu "arm926ej-s" at 200MHz
+}
+deployment d of Robot {
+  node base on bare {
+  }
+}
+"""
+
+
+def test_a_wait_that_is_too_long_says_what_would_bound_it(tmp_path: Path) -> None:
+    path = tmp_path / "waiting.mauve"
+    path.write_text(WAITING, encoding="utf-8")
+    report = Report()
+    assert not check(str(path), Options(cache=False), report).passes(report)
+    (found,) = [d for d in report if d.code == "MV605"]
+    assert found.message == "the response of `planner` has no bound (deployment `d`)"
+    assert found.help is not None and found.help.text.startswith("run the owner of the operation more often")
+    for remedy in (("period 20ms priority 2 deadline 20ms", "period 5ms priority 2"), ("in owner", "in caller")):
+        path.write_text(WAITING.replace(*remedy), encoding="utf-8")
+        mended = Report()
+        check(str(path), Options(cache=False), mended)
+        assert "MV605" not in [d.code for d in mended]
