@@ -34,7 +34,6 @@ class _Seat:
     region: RegionId
     period: int | None
     placed: PlacedTask
-    node: str
     analysis: Analysis
 
 
@@ -79,7 +78,7 @@ def _seats(instance: Instance, nodes: Sequence[tuple[NodeTasks, Analysis | None]
             for one in placed.machines:
                 if one.region.instance == instance.name and analysis is not None:
                     own = one.period or (instance.period.value if instance.period else placed.task.period)
-                    yield _Seat(one.region, None if instance.sporadic else own, placed, node.node.name, analysis)
+                    yield _Seat(one.region, None if instance.sporadic else own, placed, analysis)
 
 
 def _passage(seats: Sequence[_Seat], instance: Instance, woken: bool, several: bool) -> Passage:
@@ -93,7 +92,6 @@ def _passage(seats: Sequence[_Seat], instance: Instance, woken: bool, several: b
     released = [result.from_release for result in results if result.from_release is not None]
     periods = [seat.period for seat in seats]
     known = max((period for period in periods if period is not None), default=None)
-    alone = seats[0].placed.task if len(tasks) == 1 else None
     return Passage(
         name,
         Hop(
@@ -103,10 +101,6 @@ def _passage(seats: Sequence[_Seat], instance: Instance, woken: bool, several: b
             # With several wakers the arrivals are not those of the hop before it: the earlier, nominal ones count.
             from_release=worst if several or len(released) < len(results) else max(released),
             woken=woken,
-            jitter=max(seat.placed.task.jitter for seat in seats),
-            processor=seats[0].node,
-            priority=alone.priority if alone is not None else None,
-            waits=any(seat.placed.waits for seat in seats),
         ),
     )
 

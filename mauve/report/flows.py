@@ -71,4 +71,4 @@ def flow_plain(flow: FlowResult) -> dict[str, object]:
 
 
 def _share(share: chains.Share) -> dict[str, object]:
-    return {"task": share.hop, "wait_ps": share.wait, "work_ps": share.work, "hidden": share.hidden}
+    return {"task": share.hop, "wait_ps": share.wait, "work_ps": share.work}

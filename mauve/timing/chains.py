@@ -21,11 +21,7 @@ k+1 has not, r < a(k) + T + R:
 After its publication an output stays until the next one replaces it; what reads it sees data older by up to T + R of
 the last segment, less what the job itself took.
 
-One case is tighter, where inputs are copied only when the job starts to run (`reads_at_start`). If the last hop of a
-segment and the first of the next share a processor, and the former is more urgent and never waits within its job, then
-the latter cannot start while the former is released and unfinished. So it arrives at most T after the release
-(reaction), or before the release of job k+1 (age): what the writer itself takes from its release does not count (after
-Duerr et al., 2019). Offsets between tasks are not assumed.
+Nothing is assumed about offsets between tasks.
 """
 
 from __future__ import annotations
@@ -42,10 +38,7 @@ class Hop:
 
     period: greatest separation of its nominal arrivals, None where nothing bounds it; response: R from the nominal
     arrival; from_release: the same from the release (`ResponseResult.from_release`); woken: activated by each
-    publication of the hop before it and by nothing else (for the first hop: by the event that the chain starts with);
-    jitter: greatest delay from the nominal arrival to the release; reads_at_start: its inputs are copied by the job
-    itself when it starts to run, not at its release; then processor and priority, where both are known, are for the
-    tighter case; waits: whether a job may suspend itself.
+    publication of the hop before it and by nothing else (for the first hop: by the event that the chain starts with).
     """
 
     name: str
@@ -53,22 +46,16 @@ class Hop:
     response: int
     from_release: int
     woken: bool = False
-    jitter: int = 0
-    processor: str = ""
-    priority: int | None = None
-    waits: bool = False
-    reads_at_start: bool = False
 
 
 @record
 class Share:
     """What one hop contributes: `wait` until it looks at the data (reaction), or for how long its output stands
-    (age); `work` from its arrival to its publication. `hidden` says that a more urgent writer's time does not count."""
+    (age); `work` from its arrival to its publication."""
 
     hop: str
     wait: int
     work: int
-    hidden: bool = False
 
     @property
     def total(self) -> int:
@@ -110,20 +97,10 @@ def _works(hops: Sequence[Hop]) -> list[int]:
     return [hop.from_release if at and hop.woken else hop.response for at, hop in enumerate(hops)]
 
 
-def _hides(writer: Hop, reader: Hop) -> bool:
-    """Whether the reader's job cannot read while the writer's is released and unfinished."""
-    if not reader.reads_at_start or writer.waits or writer.priority is None or reader.priority is None:
-        return False
-    return writer.processor == reader.processor != "" and writer.priority > reader.priority
-
-
 def _reaction(hops: Sequence[Hop]) -> Latency:
     heads, works = _heads(hops), _works(hops)
     shares: list[Share] = []
     for at, hop in enumerate(hops):
-        if at and at in heads and _hides(hops[at - 1], hop):
-            last = shares[-1]
-            shares[-1] = Share(last.hop, last.wait, hops[at - 1].jitter if at - 1 in heads else 0, hidden=True)
         wait = 0
         if at in heads and not (at == 0 and hop.woken):
             if hop.period is None:
@@ -137,13 +114,11 @@ def _age(hops: Sequence[Hop]) -> Latency:
     heads, works = _heads(hops), _works(hops)
     shares = [Share(hop.name, 0, work) for hop, work in zip(hops, works, strict=True)]
     for head, following in pairwise(heads):
-        first, writer, reader = hops[head], hops[following - 1], hops[following]
+        first, writer = hops[head], hops[following - 1]
         if first.period is None:
             return Latency(None, (), f"nothing bounds how long an output of `{writer.name}` stands")
         last = shares[following - 1]
-        hidden = _hides(writer, reader)
-        work = last.work if not hidden else writer.jitter if following - 1 == head else 0
-        shares[following - 1] = Share(last.hop, first.period, work, hidden)
+        shares[following - 1] = Share(last.hop, first.period, last.work)
     return _latency(shares)
 
 

@@ -95,8 +95,6 @@ def share_text(words: str, latency: chains.Latency) -> str:
 
 def _share(share: chains.Share, wait: str) -> str:
     parts = [f"{format_time(share.wait)} {wait}"] if share.wait else []
-    if share.hidden:
-        parts.append("no response: the next task, less urgent, cannot start before it ends")
-    elif share.work:
+    if share.work:
         parts.append(f"{format_time(share.work)} response")
     return ", ".join(parts)
