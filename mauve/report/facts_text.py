@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Sequence
 from pathlib import PurePath
 
@@ -57,7 +58,9 @@ def _model_lines(one: MissingIn) -> Iterator[str]:
         else:
             yield f"{indent}// {_about(loop)}: {loop.bound} executions of its header"
     for problem in one.others:
-        if problem.kind in POINTERS and problem.address is not None:
+        if problem.suggestions and problem.kind is ProblemKind.LOOP:
+            yield from (f"  {re.sub('N$', '?', suggested)}  // {_told(problem)}" for suggested in problem.suggestions)
+        elif problem.kind in POINTERS and problem.address is not None:
             yield f"  targets {problem.address:#x} to ?  // {_told(problem)}"
         elif problem.kind is ProblemKind.RECURSION:
             yield f'  recursion "{problem.function}" max ?  // {_told(problem)}'

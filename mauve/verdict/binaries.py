@@ -13,6 +13,7 @@ from mauve.model.names import unknown
 from mauve.records import changed
 from mauve.verdict.fact_notes import collected_notes
 from mauve.wcet.result import Problem, ProblemKind, WcetResult
+from mauve.wcet.routines import is_told
 
 CODES = {
     ProblemKind.LOOP: "MV511",
@@ -64,7 +65,10 @@ def problem_diagnostic(
     message = f"`{plan.id}` has no WCET: {problem.message}"
     if problem.kind is ProblemKind.HARDWARE:
         help_ = Fix(f"compile it for the board's processor, as by `-mcpu={board.core}`, or `assume {plan.id} wcet ...`")
-    if problem.kind is ProblemKind.LOOP:
+    if problem.kind is ProblemKind.LOOP and problem.suggestions:
+        text = f"add `{problem.suggestions[0]}` to the binary of deployment `{deployment.name}`"
+        help_ = Fix(text, (), Applicability.PLACEHOLDERS)
+    elif problem.kind is ProblemKind.LOOP and not is_told(problem):
         message = f"a loop of `{plan.id}` has no bound, so it has no WCET"
         at = f'"{problem.source}"' if problem.source else f"{problem.address or 0:#x}"
         text = f"add `loop {at} max N` to the binary of deployment `{deployment.name}`"

@@ -9,6 +9,7 @@ from mauve.records import changed
 from mauve.verdict.binaries import CODES, NOTES, place
 from mauve.verdict.fact_notes import collected_notes
 from mauve.wcet.result import Problem, ProblemKind, WcetResult
+from mauve.wcet.routines import is_told
 
 NAMED = 3
 """How many functions a message names before it counts the others."""
@@ -57,6 +58,10 @@ def _problem(path: str, problem: Problem, names: list[str], near: tuple[str, ...
 def _help(problem: Problem) -> Fix | None:
     """The fact that is missing, as it stands in a file of flow facts."""
     if problem.kind is not ProblemKind.LOOP:
+        return None
+    if problem.suggestions:
+        return Fix(f"give it in a model's `binary`, or with `--facts` in a file of facts: `{problem.suggestions[0]}`")
+    if is_told(problem):
         return None
     file, _, line = problem.source.rpartition(":")
     where = f'"{file}":{line}' if file else f"{problem.address or 0:#x}"

@@ -15,6 +15,7 @@ from mauve.wcet.hardware.core import Core
 from mauve.wcet.hardware.cost import return_waits
 from mauve.wcet.ipet.bottom_up import FunctionBound, calls_of
 from mauve.wcet.result import BlockResult, CallResult, LoopResult, Problem, ProblemKind, WcetResult
+from mauve.wcet.routines import told_as_one
 
 Lines = Callable[[int], str]
 """The source line of an address as `file.c:41`, empty where there is none."""
@@ -137,7 +138,7 @@ def _problems(
         if key in paths
         for problem in bound.problems
     )
-    for problem in (*board_problems, *program.problems, *inside):
+    for problem in (*board_problems, *program.problems, *told_as_one(inside, program, lines)):
         located = _located(problem, lines)
         identity = (located.kind, located.address, located.message)
         known = found.get(identity)

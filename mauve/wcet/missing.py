@@ -77,6 +77,9 @@ def _collect(program: ProgramFlow, binary: Binary, lines: LineTable) -> tuple[Mi
         flow = program.functions[key]
         loops = _loops(flow, None, binary, lines)
         others = tuple(p for p in (*flow.problems, *unresolved(flow)) if p.kind is not ProblemKind.LOOP)
+        asked = _asked(flow, lines) if loops else ()
+        if asked:
+            loops, others = (), (*asked, *others)
         known = found.get(key[0])
         if known is None:
             found[key[0]] = MissingIn(flow.cfg.name, paths[key], loops, others)
@@ -88,6 +91,18 @@ def _collect(program: ProgramFlow, binary: Binary, lines: LineTable) -> tuple[Mi
     if general:
         missing.insert(0, MissingIn(next(iter(paths.values()), ("",))[0], (), (), general))
     return tuple(missing)
+
+
+def _asked(flow: FunctionFlow, lines: LineTable) -> tuple[Problem, ...]:
+    """For a routine of the library whose loops an argument bounds: the fact about that argument."""
+    from mauve.wcet.routines import fact, is_library, routine
+
+    name, at = flow.cfg.name, flow.cfg.address
+    known, suggested = routine(name), fact(name)
+    if known is None or not suggested or not is_library(lines.source(at)):
+        return ()
+    message = f"`{name}`: {known.reason}"
+    return (Problem(ProblemKind.LOOP, message, at, name, suggestions=(suggested,)),)
 
 
 def _loops(flow: FunctionFlow, parent: int | None, binary: Binary, lines: LineTable) -> tuple[MissingLoop, ...]:

@@ -33,6 +33,7 @@ from mauve.wcet.flow.values import LoopValues
 from mauve.wcet.result import Origin, Problem, ProblemKind
 
 if TYPE_CHECKING:
+    from mauve.wcet.flow.library import Recognised
     from mauve.wcet.flow.ranking import Ranking
 
 MOST_CONTEXTS = 24
@@ -98,6 +99,7 @@ class Functions:
         self.nests: dict[int, LoopNest] = {}
         self.orders: dict[int, Order] = {}
         self.stated: dict[int, Stated] = {}
+        self.routines: dict[int, tuple[Recognised, ...]] = {}
         self.summaries: dict[int, Summary] = {}
         self.quick: dict[int, Analysed] = {}
         self.thorough: dict[int, Analysed] = {}
@@ -127,7 +129,7 @@ class Functions:
 
     def bound_anyhow(self, key: int, loop: int) -> int | None:
         """Executions of a loop's header per entry, whatever the function is called with."""
-        known = _library(self.cfgs[key], self.nest(key)).get(loop)
+        known = self._library(key).get(loop)
         if known is None:
             self.settle(key, self.limits.deadline)
             default = self.default(key)
@@ -216,7 +218,7 @@ class Functions:
             found = rankings[id(record)].bound(loop, values)
             return None if found is None else (found.bound, found.method)
 
-        stated = _smallest(self.stated[key].bounds, _library(cfg, nest))
+        stated = _smallest(self.stated[key].bounds, self._library(key, narrowed))
         order = self.orders[key]
         result = analyse_function(order, narrowed, self.image, calls, stated, ranking, self.limits, thorough, attempt)
         derived = {loop: bound.bound for loop, bound in result.bounds.items() if bound.origin is not Origin.ANNOTATION}
@@ -274,6 +276,29 @@ class Functions:
         block = cfg.blocks[nest.loops[loop].header]
         message = f"no bound was found for the loop at {block.address:#x} in {cfg.name}"
         return Problem(ProblemKind.LOOP, message, block.address, cfg.name)
+
+    def _library(self, key: int, entered: State | None = None) -> dict[int, LoopBound]:
+        """Bounds of the loops of a known routine, entered in a state if that is known."""
+        nest = self.nest(key)
+        if not nest.loops:
+            return {}
+        from mauve.wcet.flow.library import library_bound, recognise
+
+        if key not in self.routines:
+            self.routines[key] = recognise(self.cfgs[key])
+        known = self.routines[key]
+        if not known:
+            return {}
+
+        def greatest(register: int) -> int:
+            return MASK if entered is None else entered.range_of(entered.regs[register]).unsigned_bounds()[1]
+
+        found = {loop.id: library_bound(self.cfgs[key], loop, greatest, known) for loop in nest.loops}
+        return {
+            loop: LoopBound(bound.bound, Origin.LIBRARY, bound.method)
+            for loop, bound in found.items()
+            if bound is not None
+        }
 
     # ------------------------------------------------------------------------------------------------ contexts
     def _incomplete(self, key: int) -> bool:
@@ -369,18 +394,6 @@ def _contradicted(cfg: Cfg, call: int | None) -> Problem:
     """No call of a function, or not this one, keeps what facts assume of its arguments."""
     message = f"the arguments of `{cfg.name}` are not as the facts assume"
     return Problem(ProblemKind.FACT_CONTRADICTED, message, cfg.address if call is None else call, cfg.name)
-
-
-def _library(cfg: Cfg, nest: LoopNest) -> dict[int, LoopBound]:
-    """Bounds of the loops of known helpers."""
-    if not nest.loops:
-        return {}
-    from mauve.wcet.flow.library import library_bound
-
-    found = {loop.id: library_bound(cfg, loop) for loop in nest.loops}
-    return {
-        loop: LoopBound(known.bound, Origin.LIBRARY, known.method) for loop, known in found.items() if known is not None
-    }
 
 
 def _smallest(first: Mapping[int, LoopBound], second: dict[int, LoopBound]) -> dict[int, LoopBound]:

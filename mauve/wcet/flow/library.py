@@ -1,20 +1,23 @@
-"""Bounds of loops in run-time helpers (libgcc, compiler-rt) that no general argument of ours proves.
+"""Bounds of loops in library routines (libgcc, compiler-rt, newlib) that no general argument of ours proves.
 
 A helper is recognised by a fingerprint of all its instructions, not by its name: registers, immediates and relative
 branches count, the addresses of callees and where it was linked do not. So the code that establishes the condition
 on which a loop is entered is part of what is recognised. For each loop the table holds the greatest number of
 executions of its first instruction in one call of the helper, and why; that is a bound per entry of any loop with this
-header, also of a copy that node splitting made.
+header, also of a copy that node splitting made. Where a routine goes through memory whose size is an argument, the
+number is a formula of that argument on entry: "r2 / 16 + 1", by the greatest value that it can have in a context.
 """
 
 from __future__ import annotations
 
 import hashlib
+import re
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cache
 from importlib import resources
+from typing import Any
 
 from mauve.wcet.binary.graph import EXIT, Cfg, Edge, EdgeKind
 from mauve.wcet.binary.loops import Loop
@@ -25,13 +28,28 @@ FORMAT = 1
 """Changes with the way a fingerprint is made; the table names the one it was made with."""
 
 
+LARGEST = 1 << 20
+"""A formula of a greater argument is no bound: that is the range of a type, not what somebody knows."""
+FORMULA = re.compile(r"r([0-3]) / ([1-9][0-9]*) \+ ([0-9]+)")
+
+
 @dataclass(frozen=True, slots=True)
 class KnownLoop:
-    """A loop of a known helper: `offset` of its header from the function's start, executions of the header per call."""
+    """A loop of a known routine: `offset` of its header from the function's start, executions of the header per call:
+    `total`, and one more for every `step` that register `argument` holds on entry."""
 
     offset: int
     total: int
     proof: str
+    argument: int | None = None
+    step: int = 1
+
+    def most(self, greatest: Callable[[int], int] | None) -> int | None:
+        """The greatest number of executions where `greatest` tells how large an argument can be; None: not known."""
+        if self.argument is None:
+            return self.total
+        value = LARGEST + 1 if greatest is None else greatest(self.argument)
+        return None if value > LARGEST else value // self.step + self.total
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,20 +61,44 @@ class KnownFunction:
     loops: tuple[KnownLoop, ...]
 
 
-def library_bound(cfg: Cfg, loop: Loop) -> RankBound | None:
-    """The bound of a loop of a known helper, None for any other loop."""
-    table = known_functions()
+@dataclass(frozen=True, slots=True)
+class Recognised:
+    """A known routine found in a function: the address and the blocks of its code; `whole` where it is the function,
+    and not a subroutine that was put into its graph."""
+
+    known: KnownFunction
+    address: int
+    blocks: frozenset[int]
+    whole: bool
+
+
+def recognise(cfg: Cfg) -> tuple[Recognised, ...]:
+    """The known routines of which a function consists."""
     if cfg.unresolved:
-        return None
+        return ()
+    table, found = known_functions(), []
     for start, blocks in _parts(cfg):
-        if loop.header not in blocks:
-            continue
         address = cfg.blocks[start].address
         known = table.get(_fingerprint(cfg, address, blocks))
-        offset = cfg.blocks[loop.header].address - address
-        for entry in known.loops if known is not None else ():
-            if entry.offset == offset:
-                return RankBound(entry.total, f"known helper {known.names[0] if known is not None else ''}")
+        if known is not None:
+            found.append(Recognised(known, address, blocks, start == cfg.entry))
+    return tuple(found)
+
+
+def library_bound(
+    cfg: Cfg,
+    loop: Loop,
+    greatest: Callable[[int], int] | None = None,
+    recognised: tuple[Recognised, ...] | None = None,
+) -> RankBound | None:
+    """The bound of a loop of a known routine, None for any other loop. `greatest` gives the greatest value that a
+    register (0 to 3) can have on entry, without sign; None: nothing is known of arguments. `recognised` is what
+    `recognise` finds, if that is known already."""
+    for part in recognise(cfg) if recognised is None else recognised:
+        offset = cfg.blocks[loop.header].address - part.address
+        for entry in part.known.loops if loop.header in part.blocks else ():
+            if entry.offset == offset and (most := entry.most(greatest if part.whole else None)) is not None:
+                return RankBound(most, f"known helper {part.known.names[0]}")
     return None
 
 
@@ -134,9 +176,18 @@ def read_table(text: str) -> dict[str, KnownFunction]:
     proofs: dict[str, str] = data["proofs"]
     return {
         entry["fingerprint"]: KnownFunction(
-            tuple(entry["names"]),
-            tuple(entry["found"]),
-            tuple(KnownLoop(loop["offset"], loop["total"], proofs[loop["proof"]]) for loop in entry["loops"]),
+            tuple(entry["names"]), tuple(entry["found"]), tuple(_known_loop(loop, proofs) for loop in entry["loops"])
         )
         for entry in data["function"]
     }
+
+
+def _known_loop(entry: Mapping[str, Any], proofs: Mapping[str, str]) -> KnownLoop:
+    """A loop of the table: its bound is a `total`, or a formula of an argument."""
+    proof = proofs[entry["proof"]]
+    if "bound" not in entry:
+        return KnownLoop(entry["offset"], entry["total"], proof)
+    formula = FORMULA.fullmatch(entry["bound"])
+    assert formula is not None, entry
+    argument, step, more = map(int, formula.groups())
+    return KnownLoop(entry["offset"], more, proof, argument, step)

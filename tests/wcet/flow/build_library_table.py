@@ -14,6 +14,7 @@ import struct
 import subprocess
 import sys
 import tempfile
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -216,26 +217,26 @@ def tabulate(
         entry["loops"][header - cfg.address] = (rule.total, rule.proof)
 
 
-def write(path: Path, table: dict[str, dict]) -> None:
+def write(path: Path, table: dict[str, dict], proofs: Mapping[str, str], writer: str) -> None:
     """One TOML file."""
-    lines = [
-        "# Written by tests/wcet/flow/build_library_table.py; the proofs stand there, too.",
-        f"format = {FORMAT}",
-        "",
-    ]
+    lines = [f"# Written by tests/wcet/flow/{writer}; the proofs stand there, too.", f"format = {FORMAT}", ""]
     used = {proof for entry in table.values() for _, proof in entry["loops"].values()}
-    lines += ["[proofs]", *(f'{name} = "{text}"' for name, text in PROOFS.items() if name in used)]
+    lines += ["[proofs]", *(f'{name} = "{text}"' for name, text in proofs.items() if name in used)]
     for key, entry in sorted(table.items(), key=lambda item: (item[1]["names"], item[0])):
         lines += ["", "[[function]]", f'fingerprint = "{key}"']
         lines += [
             f"{word} = [{', '.join(f'{chr(34)}{v}{chr(34)}' for v in entry[word])}]" for word in ("names", "found")
         ]
         loops = (
-            f'{{ offset = {offset}, total = {total}, proof = "{proof}" }}'
-            for offset, (total, proof) in sorted(entry["loops"].items())
+            f'{{ offset = {offset}, {_bound(bound)}, proof = "{proof}" }}'
+            for offset, (bound, proof) in sorted(entry["loops"].items())
         )
         lines += ["loops = [", *(f"  {loop}," for loop in loops), "]"]
     path.write_text("\n".join(lines) + "\n", encoding="utf-8")
+
+
+def _bound(bound: int | str) -> str:
+    return f"total = {bound}" if isinstance(bound, int) else f'bound = "{bound}"'
 
 
 def main(runs: int = 3000) -> None:
@@ -247,7 +248,7 @@ def main(runs: int = 3000) -> None:
             for found, cpu, image in images:
                 if found.startswith(prefix):
                     survey(found, cpu, image, table, runs)
-            write(LIBRARY / file, table)
+            write(LIBRARY / file, table, PROOFS, "build_library_table.py")
 
 
 if __name__ == "__main__":

@@ -13,7 +13,9 @@ from mauve.wcet.binary.elf import Binary, load
 from mauve.wcet.binary.graph import Cfg
 from mauve.wcet.binary.loops import loop_nest
 from mauve.wcet.binary.split import split_irreducible
-from mauve.wcet.flow.library import fingerprint, known_functions, library_bound, read_table
+from mauve.wcet.flow.facts import Argument, AssumeFact
+from mauve.wcet.flow.library import KnownLoop, fingerprint, known_functions, library_bound, read_table
+from mauve.wcet.flow.program import analyse_program
 from tests.emulator import EmulationError, Emulator
 from tests.wcet.flow.build_library_table import LIBRARY, operands
 
@@ -78,8 +80,42 @@ def test_the_place_does_not_matter() -> None:
     assert fingerprint(first) == fingerprint(second)
 
 
+COPIES = [
+    ("arm7tdmi-arm-O2", "arm7tdmi"),
+    ("arm7tdmi-thumb-O2", "arm7tdmi"),
+    ("cortex-m0-thumb-O2", "cortex-m0"),
+    ("cortex-m3-thumb-O2", "cortex-m3"),
+]
+
+
+@pytest.mark.parametrize(("image", "cpu"), COPIES)
+def test_a_copy_is_bounded_by_its_size(image: str, cpu: str) -> None:
+    loaded = load(FIXTURES / f"{image}.elf")
+    assert isinstance(loaded, Binary)
+    key = loaded.function("memcpy").key
+    fact = AssumeFact(Argument("memcpy", 3), 0, 90)
+    flow = analyse_program(loaded, key, facts=(fact,)).functions[key, ""]
+    assert set(flow.bounds) == {loop.id for loop in flow.nest.loops} and not flow.problems
+    emulator = Emulator(FIXTURES / f"{image}.elf", cpu)
+    here, there = emulator.alloc(200), emulator.alloc(200)
+    for size in (0, 1, 3, 7, 15, 16, 31, 47, 63, 64, 79, 80, 89, 90):
+        for shift in (0, 1):
+            run = emulator.call("memcpy", [there + shift, here, size])
+            for loop, bound in flow.bounds.items():
+                assert run.counts.get(flow.cfg.blocks[flow.nest.loops[loop].header].address, 0) <= bound.bound
+    wide = analyse_program(loaded, key, facts=(AssumeFact(Argument("memcpy", 3), 0, 1 << 30),)).functions[key, ""]
+    assert wide.problems
+
+
+def test_formulas_of_arguments() -> None:
+    loop = KnownLoop(4, 1, "because", 2, 16)
+    assert loop.most(lambda register: 47 + register) == 49 // 16 + 1
+    assert loop.most(None) is None and loop.most(lambda _: 1 << 31) is None
+    assert KnownLoop(4, 7, "because").most(None) == 7
+
+
 def test_tables_are_complete() -> None:
-    assert {path.name for path in LIBRARY.glob("*.toml")} == {"libgcc.toml", "compiler-rt.toml"}
+    assert {path.name for path in LIBRARY.glob("*.toml")} == {"libgcc.toml", "compiler-rt.toml", "newlib.toml"}
     for known in known_functions().values():
         assert known.names and known.found and known.loops
         assert all(loop.total >= 1 and loop.proof for loop in known.loops)

@@ -1,0 +1,121 @@
+"""Routines of the C library whose time depends on what an executable does not say: told as one problem each.
+
+A routine is known here by its name, as the C standard and the ARM run-time ABI (IHI 0043, 4.3.3 and 4.3.4) reserve it,
+and only where its source lines, if the executable has any, lie in a library's folders: what a user wrote is told loop
+by loop.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterable, Iterator, Mapping
+
+from mauve.records import record
+from mauve.wcet.flow.result import ContextKey, ProgramFlow
+from mauve.wcet.result import Problem, ProblemKind
+
+HEAD = "the time of the library's"
+"""How the message of such a problem begins."""
+
+
+@record
+class Routine:
+    """What a routine's time depends on, in words; `argument` is the slot (from 1) of a number that bounds it, 0 where
+    no argument does."""
+
+    reason: str
+    argument: int = 0
+
+
+_SIZE = {
+    3: "memcpy memmove memset memcmp memchr mempcpy strncpy strncmp __aeabi_memcpy __aeabi_memcpy4 __aeabi_memcpy8"
+    " __aeabi_memmove __aeabi_memmove4 __aeabi_memmove8",
+    2: "strnlen bzero __aeabi_memset __aeabi_memset4 __aeabi_memset8 __aeabi_memclr __aeabi_memclr4 __aeabi_memclr8",
+}
+_STRING = (
+    "strlen strcmp strcpy strcat strchr strrchr strncat strstr strspn strcspn strpbrk stpcpy strtok strtok_r strcasecmp"
+    " strdup atoi atol atoll atof strtol strtoul strtoll strtoull strtod strtof"
+)
+_HEAP = "malloc free calloc realloc _malloc_r _free_r _calloc_r _realloc_r"
+_FORMAT = re.compile(r"_?v?(as|f|s|sn|asn|si|sni|i|fi)?(printf|scanf)(_r)?|puts|fputs|putchar|_puts_r|fwrite|fread")
+_FOLDER = re.compile(r"(^|[/\\])(newlib|picolibc|libc|libm|libgcc|compiler[-_]rt|glibc|musl)[/\\]")
+_SORT = {"qsort": 2, "bsearch": 3}
+
+
+def routine(name: str) -> Routine | None:
+    """What is known of a routine of this name; None for any other."""
+    for slot, names in _SIZE.items():
+        if name in names.split():
+            return Routine(f"it takes as many bytes as its argument {slot} says, which is not known", slot)
+    if name in _SORT:
+        return Routine(f"it looks at as many elements as its argument {_SORT[name]} says, and calls back", 0)
+    if name in _STRING.split():
+        return Routine("it goes on to the end of a string, whose length is not known")
+    if name in _HEAP.split():
+        return Routine("it searches the heap: allocate before the periodic part, or from pools of fixed blocks")
+    if _FORMAT.fullmatch(name):
+        return Routine("it runs as the format and the stream say, and calls through pointers")
+    return None
+
+
+def is_library(source: str) -> bool:
+    """Whether a source line, as `file.c:41` or empty, is none that a user wrote."""
+    return not source or _FOLDER.search(source) is not None
+
+
+def fact(name: str) -> str:
+    """The fact, as it stands in a deployment's binary, that bounds a routine; empty where none does."""
+    known = routine(name)
+    return f'assume "{name}" argument {known.argument} from 0 to N' if known is not None and known.argument else ""
+
+
+def is_told(problem: Problem) -> bool:
+    """Whether a problem is one that `told_as_one` made."""
+    return problem.message.startswith(HEAD)
+
+
+def told_as_one(problems: Iterable[Problem], program: ProgramFlow, lines: Callable[[int], str]) -> Iterator[Problem]:
+    """The problems, those inside one library routine as one at its first call: `call_path` says where they lie."""
+    waiting: dict[str, list[Problem]] = {}
+    for problem in problems:
+        name = next((name for name in problem.call_path[1:] if routine(name) is not None), None)
+        source = problem.source or ("" if problem.address is None else lines(problem.address))
+        if name is None or not is_library(source):
+            yield problem
+        else:
+            waiting.setdefault(name, []).append(problem)
+    keys: dict[str, ContextKey] = {}
+    for key, flow in program.functions.items():
+        keys.setdefault(flow.cfg.name, key)
+    for name, inside in waiting.items():
+        path = min((p.call_path[: p.call_path.index(name) + 1] for p in inside), key=len)
+        yield _one(name, keys[name][0] & ~1, path, inside, _call(program, path, lines))
+
+
+def _one(name: str, address: int, path: tuple[str, ...], inside: list[Problem], source: str) -> Problem:
+    known = routine(name)
+    assert known is not None
+    kinds = [problem.kind for problem in inside]
+    kind = ProblemKind.LOOP if ProblemKind.LOOP in kinds else kinds[0]
+    places = sorted({problem.address for problem in inside if problem.address is not None})
+    suggested = fact(name)
+    holes = f"; `mauvec facts` lists the {len(places)} place{'s' if len(places) > 1 else ''} in it that wait for facts"
+    message = f"{HEAD} `{name}` has no bound: {known.reason}{'' if suggested else holes}"
+    return Problem(kind, message, address, name, source, path, (suggested,) if suggested else ())
+
+
+def _call(program: ProgramFlow, path: tuple[str, ...], lines: Callable[[int], str]) -> str:
+    """The source line of the first call of the last function on a path by the one before it; empty if unknown."""
+    names: Mapping[ContextKey, str] = {key: flow.cfg.name for key, flow in program.functions.items()}
+    for flow in program.functions.values():
+        if flow.cfg.name != path[-2]:
+            continue
+        for index, callees in sorted(flow.calls.items()):
+            if index not in flow.infeasible and path[-1] in {names.get(callee) for callee in callees}:
+                source = lines(flow.cfg.blocks[flow.cfg.edges[index].source].instructions[-1].address)
+                if source and not is_library(source):
+                    return source
+    return ""
+
+
+__all__ = ["Routine", "fact", "is_library", "is_told", "routine", "told_as_one"]
