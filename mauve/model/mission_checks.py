@@ -103,7 +103,8 @@ def _cycle(names: list[str], walk: list[Ref], dependence: Dependence) -> Diagnos
         help_ = Fix("give one of them an alternative that does without")
         return Diagnostic("MV704", message, labels[0], labels=labels[1:], help=help_)
     message = f"these activities may wait for each other: {chain}, which `{names[0]}` makes"
-    note = "other alternatives avoid it; whether each can wait for the other for ever is seen in the graph (`live`, `bounded`)"
+    seen = "whether each can wait for the other for ever is seen in the graph (`live`, `bounded`)"
+    note = f"other alternatives avoid it; {seen}"
     return Diagnostic("MV704", message, labels[0], Severity.WARNING, labels[1:], notes=(note,))
 
 

@@ -213,12 +213,19 @@ def simulate(tasks: list[Task], horizon: int, rng: random.Random) -> list[int]:
 
 
 def _places(one: Task, rng: random.Random, ceilings: dict[str, int], top: int) -> list[tuple[int, int, int]]:
-    found = []
-    for section in one.sections:
-        start = rng.randint(0, one.demand(1) - section.length)
-        ceiling = top if section.above_all else ceilings[section.resource]
-        found.append((start, start + section.length, ceiling))
+    """Where the sections of a job lie: one inside the other, or one after the other; two locks never change hands."""
+    found: list[tuple[int, int, int]] = []
+    for section in sorted(one.sections, key=lambda s: -s.length):
+        starts = range(one.demand(1) - section.length + 1)
+        apart = [at for at in starts if all(_apart(at, at + section.length, start, end) for start, end, _ in found)]
+        if apart:
+            start = rng.choice(apart)
+            found.append((start, start + section.length, top if section.above_all else ceilings[section.resource]))
     return found
+
+
+def _apart(start: int, end: int, other: int, last: int) -> bool:
+    return end <= other or last <= start or (other <= start and end <= last)
 
 
 @st.composite

@@ -198,7 +198,9 @@ def includes(x: Range, y: Range) -> bool:
     if x.n == 0:
         return False
     ahead = (y.low - x.low) & MASK
-    return ahead % x.step == 0 and y.step % x.step == 0 and ahead + y.span <= x.span
+    # One that goes all around the circle and meets itself has no end.
+    closed = x.span + x.step == MODULUS
+    return ahead % x.step == 0 and y.step % x.step == 0 and (closed or ahead + y.span <= x.span)
 
 
 def clip(x: Range, low: int, high: int) -> Range | None:
