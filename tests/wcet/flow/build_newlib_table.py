@@ -52,6 +52,10 @@ PROOFS = {
         "The other loops shift a fraction that is not 0 left by one place until its leading bit is in place, at most "
         "52 (23) places, or count the zeros above a leading bit in at most 32 places; and once more the header."
     ),
+    "reduction-words": (
+        "An operand is cut into 3 words, of which the first holds its leading bit; from the last one down words that "
+        "are 0 are left out: 2 passes, and the header for the word that is not 0."
+    ),
     "reduction-terms": (
         "The indices of this loop lie within 0 to jz + 1. jz starts at 4 (words of 24 bits; single precision: 9 words "
         "of 8 bits) and grows by as many words as are 0 behind the point, then by one word at most. No operand comes "
@@ -92,6 +96,7 @@ FLOAT = {
     "__ieee754_sqrtf": "sqrtf",
     "__ieee754_fmod": "fmod",
     "__ieee754_fmodf": "fmodf",
+    "__ieee754_rem_pio2": "sin",
     "__kernel_rem_pio2": "sin",
     "__kernel_rem_pio2f": "sinf",
 }
@@ -117,7 +122,7 @@ def build(folder: Path, flags: Sequence[str]) -> Path:
     source, image = folder / "program.c", folder / "program.elf"
     names = ", ".join(routine.name for routine in MEMORY)
     lines = [f"#include <math.h>\n#include <string.h>\nvoid *volatile all[] = {{ {names} }};\nvoid _start(void) {{ }}"]
-    for name in FLOAT.values():
+    for name in sorted(set(FLOAT.values())):
         kind, pair = ("float" if name.endswith("f") else "double"), "fmod" in name
         takes, gives = (f"{kind} x, {kind} y", "x, y") if pair else (f"{kind} x", "x")
         lines.append(f'__attribute__((pcs("aapcs"))) {kind} run_{name}({takes}) {{ return {name}({gives}); }}')
@@ -155,9 +160,9 @@ def said_of_memory(routine: Memory) -> Callable[[Cfg, LoopNest, Loop, int], Said
     def say(cfg: Cfg, nest: LoopNest, loop: Loop, _: int) -> Said:
         steps = {other.id: taken(cfg, other, routine.streams) for other in nest.loops}
         step = steps[loop.id]
-        assert step in (1, 4, 16, 64), (cfg.name, steps)
-        if (rest := dict(routine.rests).get(step)) is not None:
-            assert 4 * step in steps.values(), (cfg.name, steps)
+        assert step in (1, 4, 8, 16, 64), (cfg.name, steps)
+        rest = dict(routine.rests).get(step)
+        if rest is not None and 4 * step in steps.values():
             return str(rest), "rest"
         return f"r{routine.argument} / {step} + 1", "bytes"
 
@@ -174,6 +179,8 @@ def said_of_float(name: str) -> Callable[[Cfg, LoopNest, Loop, int], Said]:
         if "fmod" in name:
             steps = observed > 60
             return str((277 if single else 2098) if steps else 53), "remainder-steps" if steps else "remainder-normal"
+        if name == "__ieee754_rem_pio2":
+            return "3", "reduction-words"
         largest = max(nest.loops, key=lambda other: len(other.blocks))
         if loop.id == largest.id:
             return "3", "reduction-again"
