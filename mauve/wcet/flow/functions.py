@@ -107,14 +107,16 @@ class Functions:
         self.cyclic: set[int] = set()
         self.curtailed = False
 
-    def settle(self, entry: int, deadline: float | None) -> callgraph.Order:
+    def settle(self, entry: int, deadline: float | None, from_state: bool = False) -> callgraph.Order:
         """Analyse everything that `entry` reaches and that is not known yet; the functions, callees first. Of a callee
-        on the same cycle of calls that comes later, nothing but AAPCS is known."""
+        on the same cycle of calls that comes later, nothing but AAPCS is known. Where the entry will be analysed
+        `from_state`, it is left out here, unless it is called as well."""
         self.limits = replace(self.limits, deadline=deadline)
         order = callgraph.order(self.graphs_from(entry))
         self.cyclic |= {key for cycle in order.cycles for key in cycle.members}
         for key in order.functions:
-            if key not in self.summaries:
+            alone = from_state and key == entry and not any(entry in callgraph.callees(self.cfgs[k]) for k in self.cfgs)
+            if key not in self.summaries and not alone:
                 found = self.quick[key] = self._analyse((key, ()), State(self.symbols), 0, _Family(), False)
                 self.summaries[key] = found.summary
         return order

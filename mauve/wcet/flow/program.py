@@ -144,7 +144,10 @@ class Programs:
         found: dict[int, frozenset[int]] = {}
         for _ in range(RUNS):
             functions = self._functions({address: tuple(sorted(targets)) for address, targets in found.items()})
-            ran = run_program(Source(functions, entry), entry, deadline, unknown=unknown)
+            # Unknown values that decide fork a run, which may end nowhere: the other analyses need time as well.
+            now = monotonic()
+            until = deadline if deadline is None or not unknown else now + (deadline - now) / FOR_RUNS
+            ran = run_program(Source(functions, entry), entry, until, unknown=unknown)
             if ran.flows is not None:
                 return _with_facts(ran, self._given)
             grown = {at: found.get(at, frozenset()) | more for at, more in ran.targets.items()}
@@ -172,7 +175,7 @@ class _Program:
         self, binary: Binary, functions: Functions, entry: int, deadline: float | None, initial_data: bool
     ) -> None:
         self.binary, self.functions, self.entry = binary, functions, entry
-        self.order: Order = functions.settle(entry, deadline)
+        self.order: Order = functions.settle(entry, deadline, initial_data)
         self.top: Analysed | None = None
         if initial_data:
             self.top = functions.from_state(entry, self._initial_state(functions.given.assumed))
@@ -310,6 +313,8 @@ def _with_facts(ran: Ran, given: Given) -> ProgramFlow:
 
 
 RAN = "the program starts with the data it is linked with, and runs once"
+FOR_RUNS = 12
+"""A run with unknown data gets at most one part in so many of the time."""
 RUNS = 16
 """How often a run starts again with the targets of pointers that it came to."""
 
