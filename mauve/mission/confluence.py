@@ -138,13 +138,15 @@ def _enabled(table: Masks, state: int, candidates: int, depends: int) -> tuple[i
 
 def _all_orders(table: Masks, state: int, events: list[int], budget: int) -> _Spread:
     """Every order in which the cascades of an event's enabled transitions can run. Raises OverBudget."""
-    before, taken, filled, wakes = table.before, table.taken, table.filled, table.wakes
+    taken, filled, wakes, by_level = table.taken, table.filled, table.wakes, table.by_level[:0:-1]
+    before, disarmed, armed_by = table.before, table.disarmed, table.armed
     depends = unsafe = 0
     steady = armed(table, state)
     reached: dict[int, tuple[int, int]] = {}
+    depths: dict[int, int] = {}
     queue: list[tuple[int, int, int]] = []
     ends: list[int] = []
-    sources, targets = [], []
+    uneven = False
     for event in events:
         missing = before[event] & ~state
         if missing:
@@ -155,11 +157,32 @@ def _all_orders(table: Masks, state: int, events: list[int], budget: int) -> _Sp
         after = state & ~taken[event] | filled[event]
         if after not in reached:
             reached[after] = (-1, event)
-            queue.append((after, wakes[event], steady & ~table.disarmed[event] | table.armed[event]))
+            depths[after] = 0
+            queue.append((after, wakes[event], steady & ~disarmed[event] | armed_by[event]))
     for marking, candidates, live in queue:
-        rest, firing, depends = _enabled(table, marking, candidates & live, depends)
+        rest = candidates & live
+        firing = 0
+        # As in `_enabled`, which is not called: most of the time goes by here.
+        for of_level in by_level:
+            here = rest & of_level
+            while here:
+                low = here & -here
+                here ^= low
+                needed = before[low.bit_length() - 1]
+                missing = needed & ~marking
+                if not missing:
+                    firing |= low
+                    depends |= needed
+                else:
+                    rest ^= low
+                    if not missing & depends:
+                        depends |= missing & -missing
+            if firing:
+                break
         if not firing:
             ends.append(marking)
+            continue
+        depth = depths[marking] + 1
         while firing:
             low = firing & -firing
             firing ^= low
@@ -168,15 +191,18 @@ def _all_orders(table: Masks, state: int, events: list[int], budget: int) -> _Sp
             unsafe |= marking & new
             depends |= new
             after = marking & ~taken[index] | new
-            sources.append(marking)
-            targets.append(after)
-            if after not in reached:
+            known = depths.get(after)
+            if known is None:
                 if len(reached) >= budget:
                     raise OverBudget
                 reached[after] = (marking, index)
-                queue.append((after, rest | wakes[index], live & ~table.disarmed[index] | table.armed[index]))
+                depths[after] = depth
+                queue.append((after, rest | wakes[index], live & ~disarmed[index] | armed_by[index]))
+            elif known != depth:
+                uneven = True
     orders = {end: _order(reached, end) for end in ends}
-    endless = not ends or (len(sources) >= len(reached) and _has_cycle(list(reached), sources, targets))
+    # Where all ways to a marking are equally long, none leads back to it.
+    endless = not ends or (uneven and _has_cycle(table, state, events))
     return _Spread(orders, depends | table.transient, len(reached), unsafe, endless)
 
 
@@ -189,20 +215,33 @@ def _order(reached: dict[int, tuple[int, int]], end: int) -> tuple[int, ...]:
     return tuple(reversed(order))
 
 
-def _has_cycle(markings: list[int], sources: list[int], targets: list[int]) -> bool:
+def _has_cycle(table: Masks, state: int, events: list[int]) -> bool:
     """Whether the markings of a cascade can come back to one of them."""
-    degree = dict.fromkeys(markings, 0)
+    steady = armed(table, state)
     follow: dict[int, list[int]] = {}
-    for source, target in zip(sources, targets, strict=True):
-        degree[target] += 1
-        follow.setdefault(source, []).append(target)
-    ready = [one for one in markings if not degree[one]]
+    queue = [
+        (state & ~table.taken[event] | table.filled[event], table.wakes[event],
+         steady & ~table.disarmed[event] | table.armed[event])
+        for event in events if not table.before[event] & ~state
+    ]  # fmt: skip
+    degree = {marking: 0 for marking, _, _ in queue}
+    for marking, candidates, live in queue:
+        if marking in follow:
+            continue
+        after = follow[marking] = []
+        rest, firing, _ = _enabled(table, marking, candidates & live, -1)
+        for index in bits(firing):
+            following = marking & ~table.taken[index] | table.filled[index]
+            after.append(following)
+            degree[following] = degree.get(following, 0) + 1
+            queue.append((following, rest | table.wakes[index], live & ~table.disarmed[index] | table.armed[index]))
+    ready = [one for one, before in degree.items() if not before]
     for one in ready:
-        for after in follow.get(one, ()):
-            degree[after] -= 1
-            if not degree[after]:
-                ready.append(after)
-    return len(ready) < len(markings)
+        for target in follow[one]:
+            degree[target] -= 1
+            if not degree[target]:
+                ready.append(target)
+    return len(ready) < len(follow)
 
 
 def _random_orders(table: Masks, state: int, events: list[int], orders: int, random: Random) -> _Spread:
