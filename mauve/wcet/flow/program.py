@@ -38,6 +38,8 @@ ASSUMPTIONS = (
     "code is not written",
     "pointer arguments do not alias the active frames",
     "data in the binary's memory, and objects reached through pointers, change only by the analysed code while it runs",
+    "functions with the names that the ABI reserves for helpers (__aeabi_idiv and others) do what the ABI says",
+    "the function returns: an execution that goes on for ever has no time",
 )
 ROUNDS = 4
 """How often targets of pointers that the analysis found are put into the graphs."""
