@@ -26,7 +26,8 @@ SHOWN = 20
 
 @record
 class _Spread:
-    """All that a cascade can do: its ends with one order for each; the places that decided; the markings seen."""
+    """All that a cascade can do: its ends, where there are several with one order for each; the places that decided;
+    how many markings there are."""
 
     ends: dict[int, tuple[int, ...]]
     depends: int
@@ -142,7 +143,6 @@ def _all_orders(table: Masks, state: int, events: list[int], budget: int) -> _Sp
     before, disarmed, armed_by = table.before, table.disarmed, table.armed
     depends = unsafe = 0
     steady = armed(table, state)
-    reached: dict[int, tuple[int, int]] = {}
     depths: dict[int, int] = {}
     queue: list[tuple[int, int, int]] = []
     ends: list[int] = []
@@ -155,11 +155,12 @@ def _all_orders(table: Masks, state: int, events: list[int], budget: int) -> _Sp
         depends |= before[event] | filled[event]
         unsafe |= state & filled[event]
         after = state & ~taken[event] | filled[event]
-        if after not in reached:
-            reached[after] = (-1, event)
+        if after not in depths:
             depths[after] = 0
             queue.append((after, wakes[event], steady & ~disarmed[event] | armed_by[event]))
     for marking, candidates, live in queue:
+        if len(depths) > budget:
+            raise OverBudget
         rest = candidates & live
         firing = 0
         # As in `_enabled`, which is not called: most of the time goes by here.
@@ -193,17 +194,43 @@ def _all_orders(table: Masks, state: int, events: list[int], budget: int) -> _Sp
             after = marking & ~taken[index] | new
             known = depths.get(after)
             if known is None:
-                if len(reached) >= budget:
-                    raise OverBudget
-                reached[after] = (marking, index)
                 depths[after] = depth
                 queue.append((after, rest | wakes[index], live & ~disarmed[index] | armed_by[index]))
             elif known != depth:
                 uneven = True
-    orders = {end: _order(reached, end) for end in ends}
+    orders: dict[int, tuple[int, ...]] = dict.fromkeys(ends, ())
     # Where all ways to a marking are equally long, none leads back to it.
-    endless = not ends or (uneven and _has_cycle(table, state, events))
-    return _Spread(orders, depends | table.transient, len(reached), unsafe, endless)
+    endless = not ends
+    if uneven or len(ends) > 1:
+        reached, follow = _explored(table, state, events)
+        orders = {end: _order(reached, end) for end in ends}
+        endless = endless or _has_cycle(follow)
+    return _Spread(orders, depends | table.transient, len(depths), unsafe, endless)
+
+
+def _explored(
+    table: Masks, state: int, events: list[int]
+) -> tuple[dict[int, tuple[int, int]], dict[int, list[int]]]:
+    """The markings of a cascade, each with one before it and the transition between, and each with all that follow."""
+    steady = armed(table, state)
+    reached: dict[int, tuple[int, int]] = {}
+    follow: dict[int, list[int]] = {}
+    queue: list[tuple[int, int, int]] = []
+    for event in events:
+        after = state & ~table.taken[event] | table.filled[event]
+        if not table.before[event] & ~state and after not in reached:
+            reached[after] = (-1, event)
+            queue.append((after, table.wakes[event], steady & ~table.disarmed[event] | table.armed[event]))
+    for marking, candidates, live in queue:
+        rest, firing, _ = _enabled(table, marking, candidates & live, -1)
+        following = follow[marking] = []
+        for index in bits(firing):
+            after = marking & ~table.taken[index] | table.filled[index]
+            following.append(after)
+            if after not in reached:
+                reached[after] = (marking, index)
+                queue.append((after, rest | table.wakes[index], live & ~table.disarmed[index] | table.armed[index]))
+    return reached, follow
 
 
 def _order(reached: dict[int, tuple[int, int]], end: int) -> tuple[int, ...]:
@@ -215,26 +242,12 @@ def _order(reached: dict[int, tuple[int, int]], end: int) -> tuple[int, ...]:
     return tuple(reversed(order))
 
 
-def _has_cycle(table: Masks, state: int, events: list[int]) -> bool:
+def _has_cycle(follow: dict[int, list[int]]) -> bool:
     """Whether the markings of a cascade can come back to one of them."""
-    steady = armed(table, state)
-    follow: dict[int, list[int]] = {}
-    queue = [
-        (state & ~table.taken[event] | table.filled[event], table.wakes[event],
-         steady & ~table.disarmed[event] | table.armed[event])
-        for event in events if not table.before[event] & ~state
-    ]  # fmt: skip
-    degree = {marking: 0 for marking, _, _ in queue}
-    for marking, candidates, live in queue:
-        if marking in follow:
-            continue
-        after = follow[marking] = []
-        rest, firing, _ = _enabled(table, marking, candidates & live, -1)
-        for index in bits(firing):
-            following = marking & ~table.taken[index] | table.filled[index]
-            after.append(following)
-            degree[following] = degree.get(following, 0) + 1
-            queue.append((following, rest | table.wakes[index], live & ~table.disarmed[index] | table.armed[index]))
+    degree = dict.fromkeys(follow, 0)
+    for targets in follow.values():
+        for target in targets:
+            degree[target] += 1
     ready = [one for one, before in degree.items() if not before]
     for one in ready:
         for target in follow[one]:
