@@ -16,8 +16,7 @@ def linear_program(path: str | Path, function: str, settings: Settings) -> str |
     from mauve.wcet.flow.program import analyse_program
     from mauve.wcet.hardware.core import load_core
     from mauve.wcet.hardware.cost import return_waits
-    from mauve.wcet.ipet.bottom_up import bound_program
-    from mauve.wcet.ipet.problem import problem_of
+    from mauve.wcet.ipet.bottom_up import bound_program, function_problem
     from mauve.wcet.ipet.program import format_program
 
     board = settings.board
@@ -38,15 +37,7 @@ def linear_program(path: str | Path, function: str, settings: Settings) -> str |
     costs = list(bound.own)
     for edge, callee in (bound.chosen or {}).items():
         costs[edge] += bounds[callee].cycles or 0
-    loops = range(len(flow.nest.loops))
-    problem = problem_of(
-        flow.cfg,
-        flow.nest,
-        tuple(costs),
-        {loop: flow.bounds[loop].bound if loop in flow.bounds else 1 for loop in loops},
-        {loop: found.total for loop, found in flow.bounds.items() if found.total is not None},
-        flow.infeasible,
-    )
+    problem = function_problem(flow, tuple(costs))
     waits = return_waits(core, board)
     head = [f"\\ {symbol.name} on {board.name} ({board.core}), bounds of callees in the costs of calls"]
     head += [f"\\ WCET: the maximum and {waits} cycles of the return"] if waits else ["\\ WCET: the maximum"]

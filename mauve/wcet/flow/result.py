@@ -41,7 +41,9 @@ class FunctionFlow:
     says why. `infeasible` holds indices of edges never taken. `accesses` maps (instruction address, index of the
     micro-operation) to the range of a load or store; one that is missing may touch any address. `calls` maps the
     index of an edge with callees to the contexts of those callees, in the order of `Edge.callees`. `stack` is the
-    greatest depth of the function's own frame in bytes, callees not included; None when unknown.
+    greatest depth of the function's own frame in bytes, callees not included; None when unknown. `edge_limits` maps
+    the index of an edge to the most often one execution of the function in this context takes it, where that is known
+    beyond what bounds and totals say.
     """
 
     cfg: Cfg
@@ -52,6 +54,7 @@ class FunctionFlow:
     calls: Mapping[int, tuple[ContextKey, ...]]
     problems: tuple[Problem, ...] = ()
     stack: int | None = None
+    edge_limits: Mapping[int, int] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True)

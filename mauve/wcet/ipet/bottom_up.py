@@ -15,7 +15,7 @@ from mauve.wcet.flow.result import ContextKey, FunctionFlow, ProgramFlow
 from mauve.wcet.hardware.board import Board
 from mauve.wcet.hardware.core import Core
 from mauve.wcet.hardware.cost import edge_costs
-from mauve.wcet.ipet.problem import problem_of
+from mauve.wcet.ipet.problem import PathProblem, problem_of
 from mauve.wcet.ipet.solve import Method, solve
 from mauve.wcet.result import Problem, ProblemKind
 
@@ -82,23 +82,26 @@ def bound_function(
     missing = _unbounded(flow, live)
     if missing:
         return FunctionBound(None, problems=missing, stack=stack)
-    solution = solve(
-        problem_of(
-            flow.cfg,
-            flow.nest,
-            tuple(total),
-            {loop: flow.bounds[loop].bound if loop in flow.bounds else 1 for loop in range(len(flow.nest.loops))},
-            {loop: bound.total for loop, bound in flow.bounds.items() if bound.total is not None},
-            flow.infeasible,
-        ),
-        method,
-    )
+    solution = solve(function_problem(flow, tuple(total)), method)
     returns = any(flow.cfg.edges[index].kind in _RETURNS for index in live)
     if solution is None or not returns:
         message = f"{flow.cfg.name} does not return: no path leads out of it"
         problem = Problem(ProblemKind.NO_RETURN, message, flow.cfg.address, flow.cfg.name)
         return FunctionBound(None, problems=(problem,), stack=stack)
     return FunctionBound(solution.cycles, costs.cycles, solution.counts, chosen, (), stack, solution.method)
+
+
+def function_problem(flow: FunctionFlow, costs: tuple[int, ...]) -> PathProblem:
+    """The path problem of a function whose edges cost `costs`, callees included."""
+    return problem_of(
+        flow.cfg,
+        flow.nest,
+        costs,
+        {loop: flow.bounds[loop].bound if loop in flow.bounds else 1 for loop in range(len(flow.nest.loops))},
+        {loop: bound.total for loop, bound in flow.bounds.items() if bound.total is not None},
+        flow.infeasible,
+        flow.edge_limits,
+    )
 
 
 def reachable_edges(flow: FunctionFlow) -> tuple[int, ...]:

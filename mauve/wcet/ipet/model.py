@@ -66,7 +66,7 @@ def _optimum(
 
     category = pulp.LpInteger if integer else pulp.LpContinuous
     variables: dict[int, Any] = {
-        index: pulp.LpVariable(f"x{index}", lowBound=0, cat=category)
+        index: pulp.LpVariable(f"x{index}", lowBound=0, upBound=problem.limits.get(index), cat=category)
         for index in range(len(problem.edges))
         if index not in problem.infeasible
     }

@@ -18,7 +18,7 @@ from mauve.wcet.binary.loops import LoopNest
 class PathProblem:
     """`edges[i]` is (source, target) and costs `costs[i]` cycles each time it is passed. `bounds` maps the index of a
     loop to the executions of its header per entry (at least 1), `totals` to its executions per execution of the
-    whole."""
+    whole; `limits` maps an edge to how often one execution of the whole passes it at most."""
 
     blocks: int
     entry: int
@@ -28,11 +28,13 @@ class PathProblem:
     bounds: Mapping[int, int]
     totals: Mapping[int, int] = field(default_factory=dict)
     infeasible: frozenset[int] = frozenset()
+    limits: Mapping[int, int] = field(default_factory=dict)
 
     def __str__(self) -> str:
         lines = [f"{self.blocks} blocks, entry b{self.entry}"]
         for index, ((source, target), cost) in enumerate(zip(self.edges, self.costs, strict=True)):
-            mark = " infeasible" if index in self.infeasible else ""
+            mark = f" at most {self.limits[index]} times" if index in self.limits else ""
+            mark = " infeasible" if index in self.infeasible else mark
             lines.append(f"e{index}: b{source} -> {'exit' if target == EXIT else f'b{target}'} costs {cost}{mark}")
         for index, loop in enumerate(self.nest.loops):
             total = f", at most {self.totals[index]} in all" if index in self.totals else ""
@@ -61,8 +63,11 @@ def problem_of(
     bounds: Mapping[int, int],
     totals: Mapping[int, int] | None = None,
     infeasible: frozenset[int] = frozenset(),
+    limits: Mapping[int, int] | None = None,
 ) -> PathProblem:
-    """The path problem of a function. A bound below 1 is taken as 1: a loop that is entered runs its header."""
+    """The path problem of a function. A bound below 1 is taken as 1: a loop that is entered runs its header. An edge
+    with the limit 0 is infeasible."""
+    never = frozenset(edge for edge, limit in (limits or {}).items() if limit <= 0)
     return PathProblem(
         blocks=len(cfg.blocks),
         entry=cfg.entry,
@@ -71,7 +76,8 @@ def problem_of(
         nest=nest,
         bounds={loop: max(1, bound) for loop, bound in bounds.items()},
         totals=dict(totals or {}),
-        infeasible=infeasible,
+        infeasible=infeasible | never,
+        limits={edge: limit for edge, limit in (limits or {}).items() if edge not in infeasible | never},
     )
 
 
@@ -81,6 +87,7 @@ def verify(problem: PathProblem) -> tuple[str, ...]:
     if len(problem.edges) != len(problem.costs):
         wrong.append("not every edge has a cost")
     wrong += [f"edge {i} costs {cost}" for i, cost in enumerate(problem.costs) if cost < 0]
+    wrong += [f"edge {i} has the limit {limit}" for i, limit in problem.limits.items() if limit < 0]
     for index, (source, target) in enumerate(problem.edges):
         if not 0 <= source < problem.blocks or not (target == EXIT or 0 <= target < problem.blocks):
             wrong.append(f"edge {index} goes from {source} to {target}")
@@ -95,10 +102,14 @@ def verify(problem: PathProblem) -> tuple[str, ...]:
     return tuple(wrong)
 
 
-def edge_limits(problem: PathProblem) -> tuple[int, ...]:
-    """The most often each edge can be passed: the product of the bounds of the loops around its source."""
-    loops = [loop_bounds(problem, block) for block in range(problem.blocks)]
-    return tuple(0 if i in problem.infeasible else prod(loops[source]) for i, (source, _) in enumerate(problem.edges))
+def greatest_counts(problem: PathProblem) -> tuple[int, ...]:
+    """The most often each edge can be passed: its limit, and the product of the bounds of the loops around its
+    source."""
+    loops = [prod(loop_bounds(problem, block)) for block in range(problem.blocks)]
+    return tuple(
+        0 if i in problem.infeasible else min(loops[source], problem.limits.get(i, loops[source]))
+        for i, (source, _) in enumerate(problem.edges)
+    )
 
 
 def loop_bounds(problem: PathProblem, block: int) -> tuple[int, ...]:

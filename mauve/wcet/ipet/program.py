@@ -5,6 +5,7 @@ Variables are the executions x_e of the feasible edges. Maximise sum c_e x_e sub
     in(b) - out(b) = 0          every block is left as often as it is entered (the entry block once more)
     back(l) <= (N - 1) entry(l) the header of loop l runs N times per entry
     back(l) + entry(l) <= T     its header runs T times in all, where a total is known
+    x_e <= L                    an edge is passed L times in all, where a limit is known (a bound of the variable)
 
 The same rows are solved by PuLP, checked by the certificate and printed for people.
 """
@@ -12,11 +13,11 @@ The same rows are solved by PuLP, checked by the certificate and printed for peo
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 
 from mauve.wcet.binary.graph import EXIT
-from mauve.wcet.ipet.problem import PathProblem, edge_limits, header_edges
+from mauve.wcet.ipet.problem import PathProblem, greatest_counts, header_edges
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,6 +47,12 @@ def rows(problem: PathProblem) -> tuple[Row, ...]:
         again = problem.bounds[index] - 1
         terms = dict.fromkeys(back, 1) | dict.fromkeys(entries, -again)
         found.append(Row(f"loop_{loop.header}", _terms(terms), False, again * starts))
+    return (*found, *side_rows(problem))
+
+
+def side_rows(problem: PathProblem) -> tuple[Row, ...]:
+    """The constraints that join distant parts of the graph: totals."""
+    found = []
     for index, total in sorted(problem.totals.items()):
         back, entries, starts = header_edges(problem, index)
         terms = dict.fromkeys((*back, *entries), 1)
@@ -54,18 +61,35 @@ def rows(problem: PathProblem) -> tuple[Row, ...]:
     return tuple(found)
 
 
+def limit_rows(problem: PathProblem) -> tuple[Row, ...]:
+    """The limits of edges as rows, where the loops around do not imply them."""
+    free = greatest_counts(replace(problem, limits={}))
+    return tuple(
+        Row(f"limit_{edge}", ((edge, 1),), False, limit)
+        for edge, limit in sorted(problem.limits.items())
+        if limit < free[edge]
+    )
+
+
+def passes(row: Row, counts: Sequence[int]) -> int:
+    """The left side of a row when the edges are passed `counts` times."""
+    return sum(factor * counts[edge] for edge, factor in row.terms)
+
+
 def _terms(coefficients: Mapping[int, int]) -> tuple[tuple[int, int], ...]:
     return tuple((edge, value) for edge, value in sorted(coefficients.items()) if value != 0)
 
 
 def violated(problem: PathProblem, counts: Sequence[int]) -> tuple[str, ...]:
-    """The names of the rows that integer edge counts break (with `negative` and `infeasible` for the bounds)."""
+    """The names of the rows that integer edge counts break (`limit_0`, `negative`, `infeasible` for the bounds of
+    variables)."""
     wrong = [
         row.name
         for row in rows(problem)
-        for value in (sum(factor * counts[edge] for edge, factor in row.terms),)
+        for value in (passes(row, counts),)
         if (value != row.right if row.equal else value > row.right)
     ]
+    wrong += [f"limit_{edge}" for edge, limit in problem.limits.items() if counts[edge] > limit]
     if any(count < 0 for count in counts):
         wrong.append("negative")
     if any(counts[edge] for edge in problem.infeasible):
@@ -78,20 +102,26 @@ def dual_bound(problem: PathProblem, multipliers: Sequence[Fraction]) -> int:
 
         b.y + sum_j max(0, c_j - (A^T y)_j) u_j
 
-    with u_j the structural limit of edge j. Multipliers of inequalities below 0 are taken as 0. Rounded down, as the
-    maximum over integers is an integer.
+    with u_j the greatest count of edge j: its limit, or what the loops around it allow. Multipliers of inequalities
+    below 0 are taken as 0. Rounded down, as the maximum over integers is an integer.
     """
-    bound = Fraction(0)
+    bound, reduced = reduced_costs(problem, multipliers)
+    greatest = greatest_counts(problem)
+    bound += sum((value * count for value, count in zip(reduced, greatest, strict=True) if value > 0), Fraction(0))
+    return bound.numerator // bound.denominator
+
+
+def reduced_costs(problem: PathProblem, multipliers: Sequence[Fraction]) -> tuple[Fraction, list[Fraction]]:
+    """b.y and c - A^T y of `dual_bound`: what the rows are worth, and what each edge costs beyond them."""
+    worth = Fraction(0)
     reduced = [Fraction(cost) for cost in problem.costs]
     for row, given in zip(rows(problem), multipliers, strict=True):
         y = given if row.equal else max(Fraction(0), given)
         if y:
-            bound += y * row.right
+            worth += y * row.right
             for edge, factor in row.terms:
                 reduced[edge] -= y * factor
-    limits = edge_limits(problem)
-    bound += sum((value * limit for value, limit in zip(reduced, limits, strict=True) if value > 0), Fraction(0))
-    return bound.numerator // bound.denominator
+    return worth, reduced
 
 
 def format_program(problem: PathProblem) -> str:
@@ -102,6 +132,9 @@ def format_program(problem: PathProblem) -> str:
     lines = ["Maximize", " cycles: " + _sum([(index, problem.costs[index]) for index in used], names), "Subject To"]
     for row in rows(problem):
         lines.append(f" {row.name}: {_sum(row.terms, names)} {'=' if row.equal else '<='} {row.right}")
+    limited = sorted(edge for edge in problem.limits if edge not in problem.infeasible)
+    if limited:
+        lines += ["Bounds", *(f" {names[edge]} <= {problem.limits[edge]}" for edge in limited)]
     lines += ["General", " " + " ".join(names[index] for index in used), "End"]
     return "\n".join(lines) + "\n"
 

@@ -1,20 +1,25 @@
 """The bound of one function from the costs of its edges: which solver, and why its answer can be trusted.
 
-Without totals the structural solver is exact. With them, each header's executions get a price (`totals`), and PuLP
-finds the prices to start from when there are several, and a worst path. Whatever a float solver says only chooses
-multipliers: the bound is computed from them in exact arithmetic, and is never above the structural bound.
+Without side constraints (totals of loops, limits of edges) the structural solver is exact. Where its worst path
+breaks some, each broken one gets a price (`prices`), and PuLP finds the prices to start from, and a worst path, where
+that is not enough. Whatever a float solver says only chooses multipliers: the bound is computed from them in exact
+arithmetic, and is never above the structural bound.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from enum import Enum
 from fractions import Fraction
 
-from mauve.wcet.ipet.problem import PathProblem, PathSolution, executions
-from mauve.wcet.ipet.program import dual_bound, rows, violated
+from mauve.wcet.ipet.prices import bound_with_rows
+from mauve.wcet.ipet.problem import PathProblem, PathSolution
+from mauve.wcet.ipet.program import Row, dual_bound, limit_rows, passes, reduced_costs, rows, side_rows, violated
 from mauve.wcet.ipet.structural import Skeleton, skeleton, solve_skeleton
-from mauve.wcet.ipet.totals import bound_with_totals
+
+FEW = 8
+"""Broken rows that are priced before a linear program is solved."""
 
 
 class Method(Enum):
@@ -22,7 +27,7 @@ class Method(Enum):
 
     AUTO = "auto"
     STRUCTURAL = "structural"
-    """totals are not used"""
+    """side constraints are not used"""
     ILP = "ilp"
     """the whole linear program by PuLP, certified by its dual values"""
 
@@ -38,39 +43,81 @@ def solve(problem: PathProblem, method: Method = Method.AUTO) -> PathSolution | 
         return structural
     if method is Method.ILP:
         return _by_ilp(problem, structural)
-    if not problem.totals or not violated(problem, structural.counts):
+    if not (problem.totals or problem.limits) or not violated(problem, structural.counts):
         return structural
-    return _with_totals(shape, structural)
+    return _with_sides(shape, structural)
 
 
-def _with_totals(shape: Skeleton, structural: PathSolution) -> PathSolution:
-    """The bound where totals cut off the structural solution."""
+def _with_sides(shape: Skeleton, structural: PathSolution) -> PathSolution:
+    """The bound where side constraints cut off the structural solution."""
     problem = shape.problem
-    method = "structural with totals"
-    broken = [loop for loop in problem.totals if executions(problem, loop, structural.counts) > problem.totals[loop]]
-    if len(broken) == 1:
-        # With this total alone the optimum is exact; it is that of all totals if it keeps the others as well.
-        alone = replace(problem, totals={broken[0]: problem.totals[broken[0]]})
-        priced = bound_with_totals(replace(shape, problem=alone))
-        if priced is not None and priced.counts is not None and not violated(problem, priced.counts):
-            return PathSolution(priced.bound, priced.counts, True, method)
+    method = "structural with totals" if problem.totals and not problem.limits else "structural with limits"
+    full = _all_limits(problem)
+    if full is not None:
+        return PathSolution(full[0], full[1], True, method)
+    candidates = (*side_rows(problem), *limit_rows(problem))
+    priced = _few(shape, candidates, structural, method)
+    if priced.attained:
+        return priced
     ilp = _ilp(problem)
-    priced = bound_with_totals(shape, _prices(problem, ilp[2]) if ilp else None)
-    assert priced is not None, "the structural solver found a path"
-    bound = min(structural.cycles, priced.bound)
     if ilp is None:
-        return PathSolution(bound, structural.counts, False, method)
-    return PathSolution(bound, ilp[1], ilp[0] == bound, method)
+        return replace(priced, cycles=min(priced.cycles, structural.cycles))
+    if ilp[0] == priced.cycles:
+        return PathSolution(priced.cycles, ilp[1], True, method)
+    proven, multipliers = _proven(problem, ilp[2])
+    proven = min(proven, priced.cycles)
+    if ilp[0] < proven:
+        again = bound_with_rows(shape, candidates, _prices(problem, candidates, multipliers))
+        assert again is not None, "the structural solver found a path"
+        proven = min(proven, again.bound)
+    return PathSolution(proven, ilp[1], ilp[0] == proven, method)
+
+
+def _all_limits(problem: PathProblem) -> tuple[int, tuple[int, ...]] | None:
+    """Cost and counts where the limits of all edges are one flow that keeps all rows: then no other costs more."""
+    if len(problem.limits) + len(problem.infeasible - problem.limits.keys()) < len(problem.edges):
+        return None
+    counts = tuple(0 if edge in problem.infeasible else problem.limits[edge] for edge in range(len(problem.edges)))
+    if violated(problem, counts):
+        return None
+    return sum(count * cost for count, cost in zip(counts, problem.costs, strict=True)), counts
+
+
+def _few(shape: Skeleton, candidates: Sequence[Row], structural: PathSolution, method: str) -> PathSolution:
+    """Price the rows that the worst path breaks, then those that the next one breaks, while they are few.
+
+    The result is attained where the last path keeps all rows and costs the bound: the rows not priced then cut
+    nothing off.
+    """
+    problem = shape.problem
+    bound, counts = structural.cycles, structural.counts
+    used: list[Row] = []
+    while len(used) < FEW:
+        names = {row.name for row in used}
+        broken = [row for row in candidates if row.name not in names and passes(row, counts) > row.right]
+        if not broken or len(used) + len(broken) > FEW:
+            break
+        used += broken
+        priced = bound_with_rows(shape, used)
+        assert priced is not None, "the structural solver found a path"
+        bound = min(bound, priced.bound)
+        if priced.counts is None:
+            break
+        counts = priced.counts
+        cost = sum(count * cost for count, cost in zip(counts, problem.costs, strict=True))
+        if cost == bound and not violated(problem, counts):
+            return PathSolution(bound, counts, True, method)
+    return PathSolution(bound, structural.counts, False, method)
 
 
 def _by_ilp(problem: PathProblem, structural: PathSolution) -> PathSolution:
     """The bound by PuLP alone, proven by its dual values and capped by the structural bound."""
     ilp = _ilp(problem)
     if ilp is None:
-        return replace(structural, method="structural (no answer of the ILP solver)", attained=not problem.totals)
+        exact = not (problem.totals or problem.limits)
+        return replace(structural, method="structural (no answer of the ILP solver)", attained=exact)
     value, counts, multipliers = ilp
-    proven = min(dual_bound(problem, multipliers), dual_bound(problem, tuple(-y for y in multipliers)))
-    bound = min(structural.cycles, proven)
+    bound = min(structural.cycles, _proven(problem, multipliers)[0])
     return PathSolution(bound, counts, value == bound, "ilp, certified")
 
 
@@ -82,8 +129,13 @@ def _ilp(problem: PathProblem) -> tuple[int, tuple[int, ...], tuple[Fraction, ..
     return None if solution is None else (solution.value, solution.counts, solution.multipliers)
 
 
-def _prices(problem: PathProblem, multipliers: tuple[Fraction, ...]) -> dict[int, Fraction]:
-    """The multipliers of the totals' rows, whichever sign the solver gives a maximisation."""
-    headers = {f"total_{problem.nest.loops[loop].header}": loop for loop in problem.totals}
-    found = zip(rows(problem), multipliers, strict=True)
-    return {headers[row.name]: abs(y) for row, y in found if row.name in headers}
+def _proven(problem: PathProblem, multipliers: tuple[Fraction, ...]) -> tuple[int, tuple[Fraction, ...]]:
+    """The bound that the multipliers prove, whichever sign the solver gives a maximisation, and those of that sign."""
+    return min((dual_bound(problem, given), given) for given in (multipliers, tuple(-y for y in multipliers)))
+
+
+def _prices(problem: PathProblem, candidates: Sequence[Row], multipliers: tuple[Fraction, ...]) -> list[Fraction]:
+    """The prices of side rows from the multipliers; that of a limit is what the rows leave of its edge's cost."""
+    given = {row.name: y for row, y in zip(rows(problem), multipliers, strict=True)}
+    left = reduced_costs(problem, multipliers)[1]
+    return [given.get(row.name, left[row.terms[0][0]]) for row in candidates]

@@ -139,17 +139,19 @@ class Structured:
 
 
 def longest_by_search(problem: PathProblem, limit: int = 200_000) -> int | None:
-    """The most expensive path by trying all of them, counting headers per entry (and totals); None beyond the limit."""
+    """The most expensive path by trying all of them, counting headers per entry, totals and limited edges; None beyond
+    the limit."""
     out: dict[int, list[int]] = {}
     for index, (source, _) in enumerate(problem.edges):
         if index not in problem.infeasible:
             out.setdefault(source, []).append(index)
     loops = problem.nest.loops
     starts = [int(loop.header == problem.entry) for loop in loops]
-    stack = [(problem.entry, 0, tuple(starts), tuple(starts))]
+    limited = sorted(problem.limits)
+    stack = [(problem.entry, 0, tuple(starts), tuple(starts), (0,) * len(limited))]
     best, steps = -1, 0
     while stack:
-        block, cost, here, totals = stack.pop()
+        block, cost, here, totals, passed = stack.pop()
         steps += 1
         if steps > limit:
             return None
@@ -164,10 +166,13 @@ def longest_by_search(problem: PathProblem, limit: int = 200_000) -> int | None:
                 continue
             if any(sums[index] > total for index, total in problem.totals.items()):
                 continue
+            taken = tuple(n + (edge == limit) for n, limit in zip(passed, limited, strict=True))
+            if any(n > problem.limits[edge] for n, edge in zip(taken, limited, strict=True)):
+                continue
             if target == EXIT:
                 best = max(best, cost + problem.costs[edge])
             else:
-                stack.append((target, cost + problem.costs[edge], tuple(now), tuple(sums)))
+                stack.append((target, cost + problem.costs[edge], tuple(now), tuple(sums), taken))
     return best if best >= 0 else None
 
 
