@@ -1,8 +1,9 @@
 """Whether each event leads to one stable state, whatever the order of what follows it: followed, not claimed.
 
-All orders of the transitions of a cascade are followed. What they do depends only on the places they look at, so that
-cascades which look the same to all their orders are followed once, as in `stable`. Where the markings inside cascades
-go beyond a budget, each rule that was not met before runs in a few random orders instead.
+All orders of the transitions of a cascade are followed, in parts where it falls into some (`orders`), as a whole where
+it is not confluent. What they do depends only on the places they look at, so that cascades which look the same to all
+their orders are followed once, as in `stable`. Where the markings inside cascades go beyond a budget, each rule that
+was not met before runs in a few random orders instead.
 """
 
 from __future__ import annotations
@@ -11,6 +12,7 @@ from random import Random
 
 from mauve.mission.graph import AlternativesGraph, Confluence, Fired, view
 from mauve.mission.net import Level
+from mauve.mission.orders import Orders, OverBudget, Unusual, has_cycle
 from mauve.mission.stable import LONGEST, Masks, armed, bits, masks
 from mauve.records import record
 
@@ -36,14 +38,11 @@ class _Spread:
     endless: bool
 
 
-class OverBudget(Exception):
-    """A cascade has more orders than may be followed."""
-
-
 def confluence(graph: AlternativesGraph, budget: int = BUDGET, orders: int = ORDERS, seed: int = 1) -> Confluence:
     """Follows all orders of all cascades of a graph, up to `budget` transient markings; then `orders` random ones."""
     net = graph.net
     table = masks(net)
+    parts = Orders(table)
     number = {event.name: index for index, event in enumerate(net.events)}
     starts: list[list[int]] = [[] for _ in net.events]
     for index, one in enumerate(net.transitions):
@@ -69,7 +68,7 @@ def confluence(graph: AlternativesGraph, budget: int = BUDGET, orders: int = ORD
                 cascades += 1
                 tried.add(rule)
                 try:
-                    spread = _all_orders(table, marking, starts[event], budget - spent if complete else 0)
+                    spread = _spread(parts, marking, starts[event], budget - spent if complete else 0)
                     known.setdefault(spread.depends, set()).add(marking & spread.depends)
                 except OverBudget:
                     complete = False
@@ -137,8 +136,28 @@ def _enabled(table: Masks, state: int, candidates: int, depends: int) -> tuple[i
     return 0, 0, depends
 
 
+def _spread(parts: Orders, state: int, events: list[int], budget: int) -> _Spread:
+    """All that a cascade can do, in parts or as a whole. Raises OverBudget."""
+    before, followed = parts.table.before, parts.followed
+    looks = 0
+    enabled = []
+    for event in events:
+        missing = before[event] & ~state
+        if missing:
+            looks |= missing & -missing
+        else:
+            enabled.append(event)
+    if len(enabled) == 1:
+        try:
+            end, looked = parts.cascade(state, enabled[0], budget)
+            return _Spread({end: ()}, looks | looked, parts.followed - followed, 0, endless=False)
+        except Unusual:
+            budget -= parts.followed - followed
+    return _all_orders(parts.table, state, events, budget)
+
+
 def _all_orders(table: Masks, state: int, events: list[int], budget: int) -> _Spread:
-    """Every order in which the cascades of an event's enabled transitions can run. Raises OverBudget."""
+    """Every order in which the cascades of an event's enabled transitions can run, as a whole. Raises OverBudget."""
     taken, filled, wakes, by_level = table.taken, table.filled, table.wakes, table.by_level[:0:-1]
     before, disarmed, armed_by = table.before, table.disarmed, table.armed
     depends = unsafe = 0
@@ -204,13 +223,11 @@ def _all_orders(table: Masks, state: int, events: list[int], budget: int) -> _Sp
     if uneven or len(ends) > 1:
         reached, follow = _explored(table, state, events)
         orders = {end: _order(reached, end) for end in ends}
-        endless = endless or _has_cycle(follow)
+        endless = endless or has_cycle(follow)
     return _Spread(orders, depends | table.transient, len(depths), unsafe, endless)
 
 
-def _explored(
-    table: Masks, state: int, events: list[int]
-) -> tuple[dict[int, tuple[int, int]], dict[int, list[int]]]:
+def _explored(table: Masks, state: int, events: list[int]) -> tuple[dict[int, tuple[int, int]], dict[int, list[int]]]:
     """The markings of a cascade, each with one before it and the transition between, and each with all that follow."""
     steady = armed(table, state)
     reached: dict[int, tuple[int, int]] = {}
@@ -240,21 +257,6 @@ def _order(reached: dict[int, tuple[int, int]], end: int) -> tuple[int, ...]:
         marking, index = reached[marking]
         order.append(index)
     return tuple(reversed(order))
-
-
-def _has_cycle(follow: dict[int, list[int]]) -> bool:
-    """Whether the markings of a cascade can come back to one of them."""
-    degree = dict.fromkeys(follow, 0)
-    for targets in follow.values():
-        for target in targets:
-            degree[target] += 1
-    ready = [one for one, before in degree.items() if not before]
-    for one in ready:
-        for target in follow[one]:
-            degree[target] -= 1
-            if not degree[target]:
-                ready.append(target)
-    return len(ready) < len(follow)
 
 
 def _random_orders(table: Masks, state: int, events: list[int], orders: int, random: Random) -> _Spread:

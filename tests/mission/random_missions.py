@@ -1,4 +1,4 @@
-"""Random missions in which no two activities ever want one exclusive resource, and the features that each one has."""
+"""Random missions, mostly without activities that want one exclusive resource, and the features that each one has."""
 
 from __future__ import annotations
 
@@ -30,8 +30,8 @@ from mauve.records import changed
 FEATURES = ("overlap", "two products", "shared", "upgrade", "retry", "recover", "differing products", "parallel")
 
 
-def random_mission(seed: int) -> Mission:
-    """A mission of a few resources and objectives, drawn from a seed; free of contention."""
+def random_mission(seed: int, contended: bool = False) -> Mission:
+    """A mission of a few resources and objectives, drawn from a seed; free of contention unless `contended`."""
     random = Random(seed)
     hardware = tuple(
         Hardware(f"h{n}", may_fail=(fails := random.random() < 0.9), may_recover=fails and random.random() < 0.85)
@@ -51,7 +51,7 @@ def random_mission(seed: int) -> Mission:
     names = [one.name for one in users] + [one.name for one in activities if random.random() < 0.15]
     root = _block(random, "root", names, 2)
     mission = Mission("random", root, tuple(activities), tuple(software), hardware)
-    return _used(_without_contention(random, mission))
+    return _used(mission if contended else _without_contention(random, mission))
 
 
 def features(mission: Mission) -> set[str]:
