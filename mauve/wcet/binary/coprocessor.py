@@ -1,11 +1,14 @@
 """Coprocessor and floating-point instructions: what they do to core registers, flags and memory.
 
-A32 and T32 encode them in the same 28 bits. The contents of coprocessor registers are not modelled: what comes out of
-them is unknown, what they store is any bytes. Sources: ARM DDI 0406C chapters A6.3, A7 and A8.
+A32 and T32 encode them in the same 28 bits. What the FPU does to its own registers (`vfp`) comes on top of operations
+that make every core register unknown that takes a word from a coprocessor. Sources: ARM DDI 0406C chapters A6.3, A7
+and A8.
 """
 
 from __future__ import annotations
 
+from mauve.wcet.binary import vfp
+from mauve.wcet.binary.floats import FLOATS, FloatFlags, FromFloat, ToFloat
 from mauve.wcet.binary.microop import (
     PC,
     Compute,
@@ -17,6 +20,7 @@ from mauve.wcet.binary.microop import (
     Op,
     Operand,
     SetFlags,
+    Store,
     StoreUnknown,
     Traits,
 )
@@ -37,7 +41,7 @@ def decode_coprocessor(word: int, aligned_pc: int) -> Action:
     if word >> 4 & 1 == 0:
         if coprocessor not in _FPU:
             return Action((), Traits(Kind.COPROCESSOR))
-        return Action((), Traits(_fpu_arithmetic_kind(word)))
+        return Action(vfp.data_processing(word), Traits(_fpu_arithmetic_kind(word)))
     return _one_register(word, coprocessor in _FPU)
 
 
@@ -58,8 +62,13 @@ def _two_registers(word: int) -> Action:
     fpu = word >> 8 & 15 in _FPU
     require(rt != PC and rt2 != PC, "transfers the program counter")
     if reads_core:
-        return Action((), Traits(Kind.FPU_MOVE if fpu else Kind.COPROCESSOR, registers(rt, rt2)))
-    return opaque_result(Kind.FPU_MOVE if fpu else Kind.COPROCESSOR_READ, (rt, rt2))
+        moves = tuple(ToFloat(*move) for move in zip(vfp.pair_of(word), (rt, rt2), strict=False)) if fpu else ()
+        return Action(moves, Traits(Kind.FPU_MOVE if fpu else Kind.COPROCESSOR, registers(rt, rt2)))
+    action = opaque_result(Kind.FPU_MOVE if fpu else Kind.COPROCESSOR_READ, (rt, rt2))
+    if not fpu:
+        return action
+    known = tuple(FromFloat(*move) for move in zip((rt, rt2), vfp.pair_of(word), strict=False))
+    return action._replace(ops=action.ops + known)
 
 
 def _one_register(word: int, fpu: bool) -> Action:
@@ -67,11 +76,14 @@ def _one_register(word: int, fpu: bool) -> Action:
     rt, to_core = word >> 12 & 15, word >> 20 & 1
     if not to_core:
         require(rt != PC, "transfers the program counter")
-        return Action((), Traits(Kind.FPU_MOVE if fpu else Kind.COPROCESSOR, (rt,)))
+        ops = vfp.from_core(word, rt) if fpu else ()
+        return Action(ops, Traits(Kind.FPU_MOVE if fpu else Kind.COPROCESSOR, (rt,)))
     kind = Kind.FPU_MOVE if fpu else Kind.COPROCESSOR_READ
     if rt == PC:  # vmrs apsr_nzcv, fpscr and mrc p15 with pc: the flags
-        return Action((SetFlags(FlagKind.UNKNOWN),), Traits(kind, sets_flags=True))
-    return opaque_result(kind, (rt,))
+        flags = (FloatFlags(),) if fpu and word >> 16 & 15 == vfp.FPSCR and word >> 21 & 7 == 7 else ()
+        return Action((SetFlags(FlagKind.UNKNOWN), *flags), Traits(kind, sets_flags=True))
+    action = opaque_result(kind, (rt,))
+    return action._replace(ops=action.ops + vfp.to_core(word, rt)) if fpu else action
 
 
 def _fpu_memory(word: int, aligned_pc: int) -> Action:
@@ -80,6 +92,7 @@ def _fpu_memory(word: int, aligned_pc: int) -> Action:
     rn, words, double = word >> 16 & 15, word & 255, word >> 8 & 1
     offset = 4 * words
     base: Operand = Imm(aligned_pc) if rn == PC else rn
+    moved = vfp.halves(word, 12, 22) if double else (vfp.single(word, 12, 22),)
     if pre and not writeback:
         count, start = 1 + double, offset if up else -offset
     else:
@@ -92,6 +105,8 @@ def _fpu_memory(word: int, aligned_pc: int) -> Action:
         fits = first + many <= 32 and (not double or (words % 2 == 0 and many <= 16))
         require(fits, "is an unpredictable form of vldm or vstm")
         count, start = words, 0 if up else -offset
+        lowest = 2 * first if double else first
+        moved = tuple(range(lowest, min(lowest + words, FLOATS)))
     ops: list[MicroOp] = []
     for position in range(count):
         distance = start + 4 * position
@@ -103,7 +118,7 @@ def _fpu_memory(word: int, aligned_pc: int) -> Action:
         else:
             ops.append(Compute(Op.ADD if distance > 0 else Op.SUB, T1, base, Imm(abs(distance))))
             address = T1
-        ops.append(Load(T0, address) if load else StoreUnknown(address, 4))
+        ops += _one_word(bool(load), moved[position] if position < len(moved) else None, address)
     if writeback:
         ops.append(Compute(Op.ADD if up else Op.SUB, rn, rn, Imm(offset)))
     traits = Traits(
@@ -115,3 +130,12 @@ def _fpu_memory(word: int, aligned_pc: int) -> Action:
         immediate_offset=bool(pre and not writeback),
     )
     return Action(tuple(ops), traits)
+
+
+def _one_word(load: bool, register: int | None, address: Operand) -> tuple[MicroOp, ...]:
+    """A word between memory and an FPU register; None: one that is not modelled (d16 and up)."""
+    if load:
+        return (Load(T0, address),) if register is None else (Load(T0, address), ToFloat(register, T0))
+    if register is None:
+        return (StoreUnknown(address, 4),)
+    return Compute(Op.UNKNOWN, T0), FromFloat(T0, register), Store(address, T0)

@@ -11,9 +11,10 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from enum import Enum
 
+from mauve.wcet.binary.floats import FloatMicroOp
+
 SP, LR, PC = 13, 14, 15
 FIRST_TEMPORARY = 16
-
 
 
 class Condition(Enum):
@@ -80,7 +81,7 @@ class Op(Enum):
     UXTB = "uxtb"
     UXTH = "uxth"
     UNKNOWN = "unknown"
-    """any value: an operation that is not modelled (coprocessor, saturation, FPU result in a core register)"""
+    """any value: an operation that is not modelled (coprocessor, saturation; a word of the FPU, before `FromFloat`)"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -114,7 +115,7 @@ class Store:
 
 @dataclass(frozen=True, slots=True)
 class StoreUnknown:
-    """memory[address .. address+size) := any bytes (stores of coprocessor and FPU registers)."""
+    """memory[address .. address+size) := any bytes (stores of coprocessor registers, exclusive stores)."""
 
     address: Operand
     size: int
@@ -168,7 +169,8 @@ class SetCarry:
     amount: Operand
 
 
-MicroOp = Compute | Load | Store | StoreUnknown | SetFlags | SetCarry
+MicroOp = Compute | Load | Store | StoreUnknown | SetFlags | SetCarry | FloatMicroOp
+"""Those of the FPU (`floats`) may be left out by whoever knows nothing of its registers."""
 
 
 # ---------------------------------------------------------------------------------------------------- control flow

@@ -1,9 +1,9 @@
 """Blocks of a control flow graph as Python functions.
 
-A block becomes a function of the machine's registers (a list: r0-r14 in 0..14, then N, Z, C, V in 16..19) and returns
-the index of the edge on which control leaves, or DYNAMIC with the place it goes to in slot TARGET. What a conditional
-branch does before it leaves (a conditional load of pc, say) is a function of its own, for when it is undecided whether
-the branch is taken.
+A block becomes a function of the machine's registers (a list: r0-r14 in 0..14, then N, Z, C, V in 16..19, those of the
+FPU from 24 on) and returns the index of the edge on which control leaves, or DYNAMIC with the place it goes to in slot
+TARGET. What a conditional branch does before it leaves (a conditional load of pc, say) is a function of its own, for
+when it is undecided whether the branch is taken.
 """
 
 from __future__ import annotations
@@ -12,6 +12,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
 
+from mauve.wcet.binary.floats import FloatFlags
 from mauve.wcet.binary.graph import Cfg, EdgeKind
 from mauve.wcet.binary.microop import (
     CompareBranch,
@@ -35,10 +36,10 @@ from mauve.wcet.binary.microop import (
 )
 from mauve.wcet.binary.microop import Shift as ShiftKind
 from mauve.wcet.flow.order import Order
-from mauve.wcet.flow.run import operations, words
+from mauve.wcet.flow.run import floating, operations, words
+from mauve.wcet.flow.run.float_text import float_line, has_slot, written
 from mauve.wcet.flow.run.memory import Lost, Memory
 
-SLOTS = 24
 N, Z, C, V, TARGET, DEPTH = 16, 17, 18, 19, 20, 21
 """Slots behind the core registers; DEPTH holds the least offset of sp that was seen in the current function."""
 DYNAMIC, NOWHERE = -1, -2
@@ -109,6 +110,7 @@ def compile_function(order: Order, sites: Sites) -> Compiled:
         "ShiftKind": ShiftKind,
         "Op": Op,
         **{name: getattr(operations, name) for name in dir(operations) if not name.startswith("_")},
+        **{name: getattr(floating, name) for name in dir(floating) if name.startswith("float_")},
     }
     memory = sites.memory
     names |= {name: getattr(memory, name) for name in ("load", "load_byte", "load_half")}
@@ -311,7 +313,7 @@ class _Block:
         condition = self._condition(instruction.condition)
         if sets:
             self._settle()
-        targets = {op.dst for op in instruction.ops if isinstance(op, Compute | Load) and op.dst < 16}
+        targets = written(instruction)
         self.read |= targets
         self.emit(f"try: go = bool({condition})")
         self.emit("except Undecided: go = None")
@@ -374,6 +376,10 @@ class _Block:
                         self._settle()
                     terms = f"ShiftKind.{shift.name}, {self._use(value)}, {self._use(amount)}"
                     self.emit(f"r[18] = carry_out({terms}, r[18])")
+            case _:
+                self.emit(float_line(op, self._use, self._target))
+                if isinstance(op, FloatFlags):
+                    self.flags = None
 
     def _store(self, instruction: Instruction, index: int, at: str, value: str, size: int, maybe: bool) -> None:
         suffix = {1: "_byte", 2: "_half", 4: ""}[size]
@@ -386,12 +392,12 @@ class _Block:
     def _use(self, operand: Operand) -> str:
         if isinstance(operand, Imm):
             return str(operand.value)
-        if operand < 16 and operand not in self.written:
+        if has_slot(operand) and operand not in self.written:
             self.read.add(operand)
         return f"r{operand}"
 
     def _target(self, register: int) -> str:
-        if register < 16:
+        if has_slot(register):
             self.written.add(register)
         return f"r{register}"
 

@@ -12,17 +12,16 @@ from mauve.wcet.binary.graph import EXIT, Cfg, EdgeKind
 from mauve.wcet.binary.loops import LoopNest
 from mauve.wcet.binary.microop import (
     CompareBranch,
-    Compute,
     IndirectCall,
     IndirectJump,
-    Load,
     Stop,
     Store,
     StoreUnknown,
 )
 from mauve.wcet.flow.order import Order
 from mauve.wcet.flow.run.behaviour import Behaviours
-from mauve.wcet.flow.run.compile import DEPTH, DYNAMIC, SLOTS, TARGET, Compiled, Sites, compile_function
+from mauve.wcet.flow.run.compile import DEPTH, DYNAMIC, TARGET, Compiled, Sites, compile_function
+from mauve.wcet.flow.run.float_text import FLOAT_MODE, SLOTS, written
 from mauve.wcet.flow.run.meeting import meeting_points
 from mauve.wcet.flow.run.memory import Cell, Lost, Memory
 from mauve.wcet.flow.run.words import UNKNOWN, Stack, Undecided, merge
@@ -92,6 +91,7 @@ class Machine:
         self.functions: dict[int, Function] = {}
         self.registers: list[Any] = [UNKNOWN] * SLOTS
         self.registers[13] = Stack(0)
+        self.registers[FLOAT_MODE] = 0
         self.steps, self.limit, self.deadline = 0, limit, deadline
         self.targets: dict[int, set[int]] = {}
         self.depth = self.forks = 0
@@ -351,13 +351,13 @@ class Machine:
         loop = max(around, key=lambda loop: loop.depth, default=None)
         if loop is None or any(other.parent == loop.id for other in function.nest.loops):
             return []
-        written = set(range(16, 20))
+        changed = set(range(16, 20))
         for member in loop.blocks:
             for instruction in function.cfg.blocks[member].instructions:
                 if any(isinstance(op, Store | StoreUnknown) for op in instruction.ops):
                     return []
-                written |= {op.dst for op in instruction.ops if isinstance(op, Compute | Load) and op.dst < 15}
-        if 13 in written:
+                changed |= written(instruction)
+        if 13 in changed:
             return []
         inside = [i for i, edge in enumerate(function.cfg.edges) if edge.source in loop.blocks]
         if any(function.cfg.edges[i].kind is EdgeKind.CALL for i in inside):
@@ -365,7 +365,7 @@ class Machine:
         bound = self.source.bound(function.key, loop.id)
         if bound is None:
             return []
-        for register in written:
+        for register in changed:
             self.registers[register] = UNKNOWN
         for index in inside:
             frame.counts[index] += bound
