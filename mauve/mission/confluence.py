@@ -10,10 +10,10 @@ from __future__ import annotations
 
 from random import Random
 
+from mauve.mission.cascades import LONGEST, Masks, armed, bits, masks
 from mauve.mission.graph import AlternativesGraph, Confluence, Fired, view
 from mauve.mission.net import Level
 from mauve.mission.orders import Orders, OverBudget, Unusual, has_cycle
-from mauve.mission.stable import LONGEST, Masks, armed, bits, masks
 from mauve.records import record
 
 BUDGET = 1_000_000

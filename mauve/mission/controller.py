@@ -13,9 +13,9 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable
 
+from mauve.mission.cascades import Runs, masks
 from mauve.mission.graph import AlternativesGraph
 from mauve.mission.net import Event, Level, Net, marking
-from mauve.mission.stable import cascade, masks
 from mauve.records import record
 
 __all__ = [
@@ -146,6 +146,7 @@ def net_controller(net: Net, longest: int | None = None) -> Controller:
 def longest_cascade(graph: AlternativesGraph) -> int:
     """How many transitions the longest cascade of the graph fires, that of the event included."""
     net, table = graph.net, masks(graph.net)
+    runs = Runs(table)
     longest, seen = 1, set[int]()
     for state, where in enumerate(graph.markings):
         for edge in range(graph.first[state], graph.first[state + 1]):
@@ -157,7 +158,7 @@ def longest_cascade(graph: AlternativesGraph) -> int:
                     for at, one in enumerate(net.transitions)
                     if one.level is Level.EVENT and one.event == event and not table.before[at] & ~where
                 )
-                longest = max(longest, len(cascade(table, where, start).fired))
+                longest = max(longest, len(runs.cascade(where, start).fired))
     return longest
 
 

@@ -12,8 +12,8 @@ from collections.abc import Iterable, Sequence
 from string import Template
 
 from mauve.mission import controller_code as code
+from mauve.mission.cascades import bits
 from mauve.mission.controller import WORD, Cascades, Controller, Observer, Rules, identifiers
-from mauve.mission.stable import bits
 from mauve.records import record
 
 __all__ = ["CFiles", "c_files"]

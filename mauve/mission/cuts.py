@@ -15,9 +15,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 
+from mauve.mission.cascades import bits
 from mauve.mission.graph import AlternativesGraph
 from mauve.mission.net import EventKind
-from mauve.mission.stable import bits
 from mauve.mission.survey import RESOURCE_EVENTS, Survey
 from mauve.records import record
 

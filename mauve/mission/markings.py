@@ -7,9 +7,10 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, TypeAlias
 
+from mauve.mission.cascades import armed, bits, masks
 from mauve.mission.graph import BudgetExceeded, MarkingsGraph
 from mauve.mission.net import Level, Net, marking
-from mauve.mission.stable import armed, bits, initial_marking, masks, multipliers
+from mauve.mission.stable import initial_marking, multipliers
 from mauve.mission.verify import verify
 from mauve.records import record
 

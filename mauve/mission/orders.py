@@ -21,8 +21,8 @@ from __future__ import annotations
 
 from typing import TypeAlias
 
+from mauve.mission.cascades import Masks
 from mauve.mission.net import Level
-from mauve.mission.stable import Masks
 
 DEEPEST = 60
 """Parts inside each other, beyond which a cascade is not followed here."""

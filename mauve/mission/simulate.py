@@ -7,9 +7,10 @@ short forms: `start`, `ok Diving`, `fail Diving`, `timeout Diving`, `lose Thrust
 
 from __future__ import annotations
 
+from mauve.mission.cascades import Masks, Unsound, cascade, masks
 from mauve.mission.graph import StateView, view
 from mauve.mission.net import Event, EventKind, Level, Net
-from mauve.mission.stable import Masks, Unsound, cascade, initial_marking, masks
+from mauve.mission.stable import initial_marking
 from mauve.records import changed, record
 
 __all__ = ["Change", "Refused", "Session", "Stepped", "begin", "possible", "script", "step", "told"]

@@ -1,194 +1,24 @@
 """The alternatives graph made directly: no interleaving of transient markings is ever enumerated.
 
-From a stable marking an event fires, and then always the first enabled transition of the highest level, until none
-above the events is enabled: a cascade. What a cascade does depends only on the places that it looks at, so one that
-was run before is recognised by their values: a rule. Rules are few however many states there are, and they are the
-controller. That the order of firing does not matter is shown apart, in `confluence`.
+From a stable marking an event sets off a cascade (`cascades`). What it does depends only on the places that it looks
+at, so one that was run before is recognised by their values: a rule. Rules are few however many states there are, and
+they are the controller. That the order of firing does not matter is shown apart, in `confluence`.
 """
 
 from __future__ import annotations
 
 from array import array
-from collections.abc import Iterator
 from typing import TypeAlias
 
+from mauve.mission.cascades import Runs, Unsound, masks
 from mauve.mission.graph import AlternativesGraph, BudgetExceeded, Rule
 from mauve.mission.net import Level, Net, marking
-from mauve.records import record
 
 BUDGET = 1_000_000
 """Stable states, where nobody says otherwise."""
 
-LONGEST = 1_000_000
-"""Transitions in one cascade; a net of the templates has none that is longer than a few hundred."""
-
-
-class Unsound(Exception):
-    """A cascade that no controller could execute; only missions whose activities need each other's products have one.
-
-    run: the events that lead there, that of the cascade included, as far as they are known.
-    """
-
-    def __init__(self, transition: int, run: tuple[str, ...] = ()) -> None:
-        super().__init__(transition, run)
-        self.transition = transition
-        self.run = run
-
-
-class Unsafe(Unsound):
-    """A transition would fill a place that holds its token: the net is not 1-safe."""
-
-
-class EndlessCascade(Unsound):
-    """The transitions after an event never come to an end."""
-
-
-@record
-class Masks:
-    """A net for firing: per transition the places it needs, takes and fills as bits, and its level.
-
-    Most transitions above the events need a place that only a cascade marks: the first such place of each arms it
-    (arms[place] has a bit for each), and unarmed it need not be looked at. steady: those without such a place;
-    by_level: those of each level. Per transition: `wakes` are those that need what it fills, armed and disarmed those
-    that it arms and disarms.
-    """
-
-    before: tuple[int, ...]
-    taken: tuple[int, ...]
-    filled: tuple[int, ...]
-    levels: tuple[int, ...]
-    arms: tuple[int, ...]
-    transient: int
-    steady: int
-    by_level: tuple[int, ...]
-    wakes: tuple[int, ...]
-    armed: tuple[int, ...]
-    disarmed: tuple[int, ...]
-
-
-def masks(net: Net) -> Masks:
-    """The masks of a net."""
-    before = tuple(marking(one.before) for one in net.transitions)
-    after = tuple(marking(one.after) for one in net.transitions)
-    passing = frozenset(net.transient)
-    waiting, arms, by_level = [0] * len(net.places), [0] * len(net.places), [0] * len(Level)
-    steady = 0
-    for index, one in enumerate(net.transitions):
-        by_level[one.level] |= 1 << index
-        if one.level is Level.EVENT:
-            continue
-        for place in set(one.before):
-            waiting[place] |= 1 << index
-        arming = next((place for place in one.before if place in passing), None)
-        if arming is None:
-            steady |= 1 << index
-        else:
-            arms[arming] |= 1 << index
-    taken = tuple(x & ~y for x, y in zip(before, after, strict=True))
-    filled = tuple(y & ~x for x, y in zip(before, after, strict=True))
-    return Masks(
-        before,
-        taken,
-        filled,
-        tuple(int(one.level) for one in net.transitions),
-        tuple(arms),
-        marking(net.transient),
-        steady,
-        tuple(by_level),
-        _united(filled, waiting),
-        _united(filled, arms),
-        _united(taken, arms),
-    )
-
-
-def _united(changes: tuple[int, ...], by_place: list[int]) -> tuple[int, ...]:
-    """For each of these sets of places, all that its places have."""
-    found = []
-    for change in changes:
-        united = 0
-        for place in bits(change):
-            united |= by_place[place]
-        found.append(united)
-    return tuple(found)
-
-
-def armed(table: Masks, state: int) -> int:
-    """The transitions above the events that are not ruled out by the transient places of a marking."""
-    found = table.steady
-    for place in bits(state & table.transient):
-        found |= table.arms[place]
-    return found
-
-
-def bits(mask: int) -> Iterator[int]:
-    """The positions of the ones, lowest first."""
-    while mask:
-        low = mask & -mask
-        yield low.bit_length() - 1
-        mask ^= low
-
-
 Step: TypeAlias = tuple[int, int, int]
 """What a cascade keeps (a mask), what it fills, and its rule."""
-
-
-@record
-class Cascade:
-    """What came of an event: the marking after it, the places it depended on, and the transitions in order.
-
-    Whether a place was free to be filled is apart, in `spared`: a sound net answers that by its shape.
-    """
-
-    result: int
-    tested: int
-    spared: int
-    fired: tuple[int, ...]
-
-
-def cascade(table: Masks, state: int, event: int) -> Cascade:
-    """Runs the cascade that a transition of level 0 starts in a stable marking, in the canonical order.
-
-    Raises Unsafe and EndlessCascade.
-    """
-    before, taken, filled = table.before, table.taken, table.filled
-    inner = table.by_level[:0:-1]
-    now = state
-    written = spared = 0
-    ready = 0
-    live = armed(table, state)
-    fired = []
-    chosen = event
-    tested = before[event]
-    while chosen >= 0:
-        gone, new = taken[chosen], filled[chosen]
-        if now & new:
-            raise Unsafe(chosen)
-        spared |= new & ~written
-        now = now ^ gone | new
-        written |= gone | new
-        fired.append(chosen)
-        if len(fired) > LONGEST:
-            raise EndlessCascade(chosen)
-        live = live & ~table.disarmed[chosen] | table.armed[chosen]
-        ready = (ready | table.wakes[chosen]) & live
-        chosen = -1
-        for of_level in inner:
-            here = ready & of_level
-            while here:
-                low = here & -here
-                index = low.bit_length() - 1
-                missing = before[index] & ~now
-                if not missing:
-                    tested |= before[index] & ~written
-                    chosen = index
-                    break
-                here ^= low
-                ready ^= low
-                if not missing & (written | tested):
-                    tested |= missing & -missing
-            if chosen >= 0:
-                break
-    return Cascade(now, tested, spared | table.transient, tuple(fired))
 
 
 class Known:
@@ -220,6 +50,7 @@ class Controller:
     def __init__(self, net: Net) -> None:
         self.net = net
         self.table = masks(net)
+        self.runs = Runs(self.table)
         self.number = {event.name: index for index, event in enumerate(net.events)}
         self.rules: list[Rule] = []
         self.numbers: dict[tuple[int, int, int, int, int], int] = {}
@@ -236,7 +67,7 @@ class Controller:
         Of places of which always one is marked, all count as looked at where one was: that tells as much, and makes
         cascades look at the same places, which are then found faster.
         """
-        done = cascade(self.table, state, start)
+        done = self.runs.cascade(state, start)
         cleared, filled = state & ~done.result, done.result & ~state
         rule = (event, done.tested, state & done.tested, cleared, filled)
         index = self.numbers.setdefault(rule, len(self.rules))

@@ -11,6 +11,7 @@ from time import process_time
 
 from mauve.lower.mission import plan, properties
 from mauve.mission import formula as f
+from mauve.mission.cascades import Unsafe, Unsound
 from mauve.mission.confluence import confluence
 from mauve.mission.contention import Contention, contentions
 from mauve.mission.graph import AlternativesGraph, BudgetExceeded, Confluence, LocalGraph, MarkingsGraph
@@ -18,7 +19,7 @@ from mauve.mission.local import local_graphs, too_many_devices
 from mauve.mission.net import Net
 from mauve.mission.plan import Mission as Plan
 from mauve.mission.properties import ALWAYS, Analysis, analyse
-from mauve.mission.stable import Unsafe, Unsound, alternatives_graph
+from mauve.mission.stable import alternatives_graph
 from mauve.mission.templates import build_net
 from mauve.mission.verify import production_cycles
 from mauve.model.mission_tree import Dependence

@@ -15,6 +15,7 @@ from typing import Any
 
 import pytest
 
+from mauve.mission.cascades import cascade, masks
 from mauve.mission.controller import (
     Cascades,
     Controller,
@@ -30,7 +31,7 @@ from mauve.mission.graph import AlternativesGraph, BudgetExceeded, StateView, vi
 from mauve.mission.local import local_graphs
 from mauve.mission.net import Level, Net, marking
 from mauve.mission.plan import Mission
-from mauve.mission.stable import alternatives_graph, cascade, masks
+from mauve.mission.stable import alternatives_graph
 from mauve.mission.templates import build_net
 
 from .coral import coral

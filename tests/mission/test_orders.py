@@ -9,39 +9,17 @@ from random import Random
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from mauve.mission.cascades import Masks, Unsound, masks
 from mauve.mission.confluence import _all_orders
 from mauve.mission.graph import AlternativesGraph
-from mauve.mission.net import Event, EventKind, Level, Net, Transition
 from mauve.mission.orders import Orders, OverBudget, Unusual
-from mauve.mission.stable import Masks, Unsound, alternatives_graph, armed, masks
+from mauve.mission.stable import alternatives_graph
 from mauve.mission.templates import build_net
 from tests.mission.random_missions import random_mission
+from tests.mission.random_nets import is_stable, random_net
 
-GO = Event("GO", EventKind.OTHER)
 SMALL = 3_000
-WANTED = int(os.environ.get("MAUVE_RANDOM_MISSIONS", 20))
-
-
-def net_of(random: Random, size: int) -> tuple[Net, int]:
-    """A net of a few levels with one event, its places in pairs that mostly pass a token on, and a stable marking."""
-    places = range(2 * size)
-    state = random.getrandbits(2 * size) | 1
-    steps: list[Transition] = []
-    for index in range(random.randint(size, 2 * size)):
-        before = random.sample(places, random.choice((1, 1, 2, 2, 3)))
-        reads = [one for one in before[1:] if random.random() < 0.3]
-        after = [one ^ 1 if random.random() < 0.6 else random.choice(places) for one in before if one not in reads]
-        after += random.sample(places, random.choice((0, 0, 1)))
-        filled = tuple(dict.fromkeys((*reads, *after)))
-        if all(state >> one & 1 for one in before) or set(before) <= set(filled):
-            continue
-        level = Level(random.choice((1, 2, 2, 4, 4, 4)))
-        steps.append(Transition(f"t{index}", tuple(before), filled, level))
-    free = [one for one in places if not state >> one & 1]
-    chosen = random.sample(free, min(len(free), random.randint(1, 4)))
-    steps.append(Transition("go", (0,), tuple(chosen), Level.EVENT, "GO"))
-    initial = tuple(one for one in places if state >> one & 1)
-    return Net("small", tuple(f"p{one}" for one in places), tuple(steps), initial, (GO,)), state
+WANTED = int(os.environ.get("MAUVE_RANDOM_MISSIONS", 12))
 
 
 def compared(parts: Orders, table: Masks, state: int, event: int) -> str:
@@ -64,16 +42,11 @@ def compared(parts: Orders, table: Masks, state: int, event: int) -> str:
     return "confluent"
 
 
-def stable(table: Masks, state: int) -> bool:
-    live = armed(table, state)
-    return not any(live >> index & 1 and not needed & ~state for index, needed in enumerate(table.before))
-
-
 @settings(max_examples=200, deadline=None)
 @given(st.integers(0, 2**64), st.integers(2, 9))
 def test_parts_of_small_nets_find_what_the_whole_does(seed: int, size: int) -> None:
     random = Random(seed)
-    net, state = net_of(random, size)
+    net, state = random_net(random, size)
     table = masks(net)
     event = len(net.transitions) - 1
     parts = Orders(table)
@@ -81,7 +54,7 @@ def test_parts_of_small_nets_find_what_the_whole_does(seed: int, size: int) -> N
         return
     end, looks = Orders(table).cascade(state, event, SMALL)
     other = state & looks | random.getrandbits(2 * size) & ~looks
-    if stable(table, other):
+    if is_stable(table, other):
         again = _all_orders(table, other, [event], SMALL)
         assert list(again.ends) == [end & looks | other & ~looks]
         assert not again.unsafe
@@ -92,7 +65,7 @@ def test_parts_of_small_nets_find_what_the_whole_does(seed: int, size: int) -> N
 def test_small_nets_are_of_all_kinds() -> None:
     found: Counter[str] = Counter()
     for seed in range(300):
-        net, state = net_of(Random(seed), 3 + seed % 6)
+        net, state = random_net(Random(seed), 3 + seed % 6)
         table = masks(net)
         found[compared(Orders(table), table, state, len(net.transitions) - 1)] += 1
     assert found["confluent"] >= 60, found

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import pytest
 
+from mauve.mission.cascades import Unsafe, cascade, masks
 from mauve.mission.graph import AlternativesGraph, BudgetExceeded
 from mauve.mission.markings import Explored, explore
 from mauve.mission.net import Level
-from mauve.mission.stable import Unsafe, alternatives_graph, cascade, masks
+from mauve.mission.stable import alternatives_graph
 from mauve.mission.templates import build_net
 from mauve.mission.verify import faults, verify
 from tests.mission.build import does, graph_of, mission, ways
