@@ -297,7 +297,7 @@ class Functions:
 
         found = {loop.id: library_bound(self.cfgs[key], loop, greatest, known) for loop in nest.loops}
         return {
-            loop: LoopBound(bound.bound, Origin.LIBRARY, bound.method)
+            loop: LoopBound(bound.bound, Origin.LIBRARY, bound.method, bound.total)
             for loop, bound in found.items()
             if bound is not None
         }

@@ -22,7 +22,6 @@ from typing import Any
 from mauve.wcet.binary.graph import EXIT, Cfg, Edge, EdgeKind
 from mauve.wcet.binary.loops import Loop
 from mauve.wcet.binary.microop import Call, CompareBranch, IndirectJump, Instruction, Jump
-from mauve.wcet.flow.ranking import RankBound
 
 FORMAT = 1
 """Changes with the way a fingerprint is made; the table names the one it was made with."""
@@ -36,13 +35,15 @@ FORMULA = re.compile(r"r([0-3]) / ([1-9][0-9]*) \+ ([0-9]+)")
 @dataclass(frozen=True, slots=True)
 class KnownLoop:
     """A loop of a known routine: `offset` of its header from the function's start, executions of the header per call:
-    `total`, and one more for every `step` that register `argument` holds on entry."""
+    `total`, and one more for every `step` that register `argument` holds on entry. `each`: those per entry of the loop,
+    where it is known to be entered more often than once with fewer each time."""
 
     offset: int
     total: int
     proof: str
     argument: int | None = None
     step: int = 1
+    each: int | None = None
 
     def most(self, greatest: Callable[[int], int] | None) -> int | None:
         """The greatest number of executions where `greatest` tells how large an argument can be; None: not known."""
@@ -72,6 +73,16 @@ class Recognised:
     whole: bool
 
 
+@dataclass(frozen=True, slots=True)
+class KnownBound:
+    """At most `bound` executions of a loop's header per entry, at most `total` in one call of the function if that is
+    not None; `method` names the routine."""
+
+    bound: int
+    method: str
+    total: int | None = None
+
+
 def recognise(cfg: Cfg) -> tuple[Recognised, ...]:
     """The known routines of which a function consists."""
     if cfg.unresolved:
@@ -90,7 +101,7 @@ def library_bound(
     loop: Loop,
     greatest: Callable[[int], int] | None = None,
     recognised: tuple[Recognised, ...] | None = None,
-) -> RankBound | None:
+) -> KnownBound | None:
     """The bound of a loop of a known routine, None for any other loop. `greatest` gives the greatest value that a
     register (0 to 3) can have on entry, without sign; None: nothing is known of arguments. `recognised` is what
     `recognise` finds, if that is known already."""
@@ -98,7 +109,9 @@ def library_bound(
         offset = cfg.blocks[loop.header].address - part.address
         for entry in part.known.loops if loop.header in part.blocks else ():
             if entry.offset == offset and (most := entry.most(greatest if part.whole else None)) is not None:
-                return RankBound(most, f"known helper {part.known.names[0]}")
+                each = most if entry.each is None else min(entry.each, most)
+                total = most if entry.each is not None and part.whole else None
+                return KnownBound(each, f"known helper {part.known.names[0]}", total)
     return None
 
 
@@ -186,7 +199,7 @@ def _known_loop(entry: Mapping[str, Any], proofs: Mapping[str, str]) -> KnownLoo
     """A loop of the table: its bound is a `total`, or a formula of an argument."""
     proof = proofs[entry["proof"]]
     if "bound" not in entry:
-        return KnownLoop(entry["offset"], entry["total"], proof)
+        return KnownLoop(entry["offset"], entry["total"], proof, each=entry.get("each"))
     formula = FORMULA.fullmatch(entry["bound"])
     assert formula is not None, entry
     argument, step, more = map(int, formula.groups())

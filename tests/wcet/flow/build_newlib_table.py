@@ -21,6 +21,7 @@ from pathlib import Path
 from mauve.wcet.binary.cfg import build_cfg
 from mauve.wcet.binary.elf import Binary, load
 from mauve.wcet.binary.graph import Cfg
+from mauve.wcet.binary.lines import load_lines
 from mauve.wcet.binary.loops import Loop, LoopNest, loop_nest
 from mauve.wcet.binary.microop import Condition, Imm, Load, Store
 from mauve.wcet.binary.split import split_irreducible
@@ -57,10 +58,12 @@ PROOFS = {
         "are 0 are left out: 2 passes, and the header for the word that is not 0."
     ),
     "reduction-terms": (
-        "The indices of this loop lie within 0 to jz + 1. jz starts at 4 (words of 24 bits; single precision: 9 words "
-        "of 8 bits) and grows by as many words as are 0 behind the point, then by one word at most. No operand comes "
-        "nearer to a multiple of pi/2 than 2**-62 (2**-31) of it, as the continued fractions of 2**e / pi show for each"
-        " exponent e, so 3 (5) words can be 0: jz is at most 8 (15); the last pass and once more the header."
+        "rem_pio2 passes 3 words at most (jx <= 2) and prec 2, so that jk = jp = 4 (9 for singles). jz starts at jk and"
+        " grows by as many words as are 0 behind the point, then by one word at most. No operand comes nearer to a "
+        "multiple of pi/2 than 2**-62 (2**-31) of it, as the continued fractions of 2**e / pi show for each exponent e,"
+        " so 3 (5) words of 24 (8) bits can be 0: jz is 4, then at most 7, then at most 8 (9, 14, 15) in the 3 rounds, "
+        "and 9 (16) behind them, where a word more may be broken off. The passes of each loop of the source are a "
+        "number of these; `total` is their sum over the rounds and over the loop around."
     ),
     "reduction-again": (
         "The quotient is computed again when its words that were added are all 0. After the first time they hold its "
@@ -104,6 +107,46 @@ FLOAT = {
 WHOLE = {"__kernel_rem_pio2", "__kernel_rem_pio2f"}
 """All loops of these are in the table: ranking arguments would take long and bound few."""
 
+
+def reduction(jk: int, zeros: int) -> dict[str, tuple[int, int, int]]:
+    """The loops of __kernel_rem_pio2, by the role of each: passes per entry at most, passes in one call at most,
+    entries in one call at most; as the proof `reduction-terms` has it."""
+    rounds = (jk, jk + zeros, jk + zeros + 1)
+    last = rounds[-1] + 1
+    beyond = sum(jz - jk for jz in rounds)
+    sums = sum(min(jk + 1, terms) for terms in range(1, last + 2))
+    return {
+        "words": (jk + 3, jk + 3, 1),
+        "first": (jk + 1, jk + 1, 1),
+        "first-inner": (3, 3 * (jk + 1), jk + 1),
+        "round": (rounds[-1], sum(rounds), 3),
+        "nonzero": (zeros + 1, beyond, 3),
+        "count": (zeros, zeros + 1, 2),
+        "more": (zeros, zeros + 1, 2),
+        "more-inner": (3, 3 * (zeros + 1), zeros + 1),
+        "drop": (zeros + 1, zeros + 1, 1),
+        "result": (last + 1, last + 1, 1),
+        "sum": (last + 1, last + 1, last + 1),
+        "sum-inner": (jk + 1, sums, last + 1),
+    }
+
+
+LINES = {
+    "__kernel_rem_pio2": (
+        {186: "words", 189: "first", 190: "first-inner", 197: "round", 219: "round", 244: "nonzero", 246: "count",
+         248: "more", 250: "more-inner", 261: "drop", 274: "result", 279: "sum", 280: "sum-inner", 288: "result",
+         294: "result", 297: "result", 301: "result", 306: "result", 311: "result"},
+        reduction(4, 3),
+    ),
+    "__kernel_rem_pio2f": (
+        {76: "words", 79: "first", 80: "first-inner", 87: "round", 109: "round", 134: "nonzero", 136: "count",
+         138: "more", 140: "more-inner", 151: "drop", 164: "result", 169: "sum", 170: "sum-inner", 178: "result",
+         184: "result", 187: "result", 191: "result", 196: "result", 201: "result"},
+        reduction(9, 5),
+    ),
+}  # fmt: skip
+"""The source line of each loop's head in newlib 3.3, and what the loop is there."""
+
 MULTILIBS = (
     (".", "arm926", ("-mcpu=arm7tdmi", "-marm")),
     ("thumb/nofp", "arm926", ("-mcpu=arm7tdmi", "-mthumb")),
@@ -113,8 +156,20 @@ MULTILIBS = (
     ("thumb/v7e-m+fp/hard", "cortex-m4", ("-mcpu=cortex-m4", "-mthumb", "-mfpu=fpv4-sp-d16", "-mfloat-abi=hard")),
     ("thumb/v7e-m+fp/softfp", "cortex-m4", ("-mcpu=cortex-m4", "-mthumb", "-mfpu=fpv4-sp-d16", "-mfloat-abi=softfp")),
 )
-Said = tuple[str, str]
-"""What the table says of a loop: its bound (a number or a formula) and the name of the proof."""
+
+
+@dataclass(frozen=True)
+class Said:
+    """What the table says of a loop: its bound in one call (a number or a formula), the name of the proof, and the
+    bound per entry where that is less (0: it is the same)."""
+
+    bound: str
+    proof: str
+    each: int = 0
+
+
+Lines = Callable[[int], str]
+"""The source line of an address."""
 
 
 def build(folder: Path, flags: Sequence[str]) -> Path:
@@ -163,30 +218,49 @@ def said_of_memory(routine: Memory) -> Callable[[Cfg, LoopNest, Loop, int], Said
         assert step in (1, 4, 8, 16, 64), (cfg.name, steps)
         rest = dict(routine.rests).get(step)
         if rest is not None and 4 * step in steps.values():
-            return str(rest), "rest"
-        return f"r{routine.argument} / {step} + 1", "bytes"
+            return Said(str(rest), "rest")
+        return Said(f"r{routine.argument} / {step} + 1", "bytes")
 
     return say
 
 
-def said_of_float(name: str) -> Callable[[Cfg, LoopNest, Loop, int], Said]:
-    """The rule for a routine of libm; loops of fmod are told apart by what is observed."""
+def said_of_float(name: str, lines: Lines) -> Callable[[Cfg, LoopNest, Loop, int], Said]:
+    """The rule for a routine of libm; loops of fmod are told apart by what is observed, those of the argument
+    reduction by their source lines."""
     single = name.endswith("f")
 
-    def say(_: Cfg, nest: LoopNest, loop: Loop, observed: int) -> Said:
+    def say(cfg: Cfg, nest: LoopNest, loop: Loop, observed: int) -> Said:
         if "sqrt" in name:
-            return ("24" if single else "21"), "root-denormal"
+            return Said("24" if single else "21", "root-denormal")
         if "fmod" in name:
-            steps = observed > 60
-            return str((277 if single else 2098) if steps else 53), "remainder-steps" if steps else "remainder-normal"
+            if observed > 60:
+                return Said("277" if single else "2098", "remainder-steps")
+            return Said("53", "remainder-normal")
         if name == "__ieee754_rem_pio2":
-            return "3", "reduction-words"
+            return Said("3", "reduction-words")
         largest = max(nest.loops, key=lambda other: len(other.blocks))
         if loop.id == largest.id:
-            return "3", "reduction-again"
-        return ("18" if single else "11"), "reduction-terms"
+            return Said("3", "reduction-again")
+        return of_reduction(name, lines, cfg, loop)
 
     return say
+
+
+def of_reduction(name: str, lines: Lines, cfg: Cfg, loop: Loop) -> Said:
+    """A loop of __kernel_rem_pio2, by the first of its source lines that heads a loop. A loop that is left at the end
+    of its passes only has an execution of the header per pass, any other one more."""
+    roles, passes = LINES[name]
+    places = {
+        lines(instruction.address).rpartition(":")[2]
+        for block in loop.blocks
+        for instruction in cfg.blocks[block].instructions
+    }
+    role = next(role for line, role in sorted(roles.items()) if str(line) in places)
+    each, total, entries = passes[role]
+    latches = {cfg.edges[index].source for index in loop.back_edges}
+    leaving = {edge.source for edge in cfg.edges if edge.source in loop.blocks and edge.target not in loop.blocks}
+    more = 0 if leaving <= latches and len(latches) == 1 else 1
+    return Said(str(total + more * entries), "reduction-terms", each + more)
 
 
 # ---------------------------------------------------------------------------------------------------------- execution
@@ -242,6 +316,20 @@ def nearest(bits: int, exponents: range) -> Iterator[tuple[int, int, Fraction]]:
         yield last[1], exponent, abs(last[1] * target - last[0])
 
 
+EDGES = (
+    *(0.0, 5e-324, 2.0**-1073, 3 * 2.0**-1074, 2.0**-1054, 2.0**-1053, 2.0**-1043, 2.0**-1042, 2.0**-1023),
+    *(2.0**-1022 - 2.0**-1074, 2.0**-1022, 2.0**-1021, 1e-300, 0.5, 1.0, 1.5, 3.0, 7.0, 1e16, 2.0**1023, 1.5e308),
+    *(float.fromhex("0x1.fffffffffffffp+1023"), float("inf"), float("nan")),
+    *(2.0**-149, 3 * 2.0**-149, 2.0**-141, 2.0**-133, 2.0**-126 - 2.0**-149, 2.0**-126, 2.0**-125, 2.0**127),
+    float.fromhex("0x1.fffffep+127"),
+)
+"""Zero, the ends of the denormal and the normal numbers and what lies about them, infinity, no number."""
+SINGLES = {
+    value for value in EDGES if value != value or value == 0 or value in (0.5, 1.0, 1.5, 3.0, 7.0, float("inf"))
+} | {value for value in EDGES if 2.0**-150 < value < 2.0**128 and (value * 2.0**149).is_integer()}
+"""Those that a single can hold or is rounded to."""
+
+
 def float_calls(name: str, rng: random.Random, runs: int) -> Iterator[Call]:
     """Calls with special and random operands; for sine and cosine those nearest to multiples of pi/2."""
     through, single = f"run_{FLOAT[name]}", name.endswith("f")
@@ -256,6 +344,13 @@ def float_calls(name: str, rng: random.Random, runs: int) -> Iterator[Call]:
                 except OverflowError:
                     continue
                 yield through, list(struct.unpack(word, packed)), {}
+    edges = [word for value in EDGES for word in (value, -value)]
+    kind, word = ("<f", "<1I") if single else ("<d", "<2I")
+    packed = [struct.unpack(word, struct.pack(kind, value)) for value in edges if not single or value in SINGLES]
+    packed += [((0x7F800001,) if single else (1, 0x7FF00000)), ((1,) if single else (1, 0))]
+    for first in packed:
+        for second in packed[::3] if "fmod" in name else packed[:1]:
+            yield through, [*first, *second], {}
     for _ in range(runs):
         words = operands(rng)
         yield through, words, {}
@@ -293,11 +388,12 @@ def tabulate(found: str, cfg: Cfg, say: Callable[..., Said], calls: Iterator[Cal
     for loop in loops:
         header = headers[loop.id]
         most = max(counts[header] for counts, _ in runs)
-        bound, proof = say(cfg, nest, loop, most)
+        said = say(cfg, nest, loop, most)
+        bound = said.bound
         step, more = map(int, re.fullmatch(r"(?:r\d / (\d+) \+ )?(\d+)", bound).groups("0"))  # type: ignore[union-attr]
-        entry["loops"][header - cfg.address] = (bound if step else more, proof)
+        entry["loops"][header - cfg.address] = (bound if step else more, said.proof, said.each)
         shown.append(f"{header - cfg.address:#x}: {bound} (seen {most})")
-        inner = loop.parent is not None
+        inner = loop.parent is not None and not said.each
         for counts, size in runs:
             limit = size // step + more if step else more
             assert inner or counts[header] <= limit, (found, cfg.name, hex(header), bound, counts[header], size)
@@ -308,6 +404,7 @@ def survey(found: str, cpu: str, image: Path, table: dict[str, dict], runs: int)
     """Add the routines of one image."""
     binary, emulator = load(image), Emulator(image, cpu)
     assert isinstance(binary, Binary), binary
+    lines = load_lines(binary)
 
     def graph(name: str) -> Cfg | None:
         symbol = binary.function(name)
@@ -322,7 +419,7 @@ def survey(found: str, cpu: str, image: Path, table: dict[str, dict], runs: int)
         cfg = graph(name)
         if cfg is not None:
             calls = float_calls(name, random.Random(name), runs // 2)
-            tabulate(found, cfg, said_of_float(name), calls, emulator, table)
+            tabulate(found, cfg, said_of_float(name, lines.source), calls, emulator, table)
 
 
 def main(runs: int = 3000) -> None:

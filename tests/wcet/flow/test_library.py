@@ -121,5 +121,27 @@ def test_tables_are_complete() -> None:
         assert all(loop.total >= 1 and loop.proof for loop in known.loops)
 
 
+def test_loops_inside_loops_have_a_bound_for_each_entry_and_one_for_the_call() -> None:
+    text = """format = 1
+    [proofs]
+    because = "of this"
+    [[function]]
+    fingerprint = "00"
+    names = ["inner"]
+    found = ["here"]
+    loops = [{ offset = 8, total = 19, each = 8, proof = "because" }, { offset = 4, total = 3, proof = "because" }]"""
+    inner, outer = read_table(text)["00"].loops
+    assert (inner.most(None), inner.each) == (19, 8)
+    assert (outer.most(None), outer.each) == (3, None)
+
+
+def test_division_of_both_compilers_is_known_in_every_state() -> None:
+    found = {place for known in known_functions().values() for place in known.found}
+    for core in ("arm7tdmi", "arm926ej_s", "thumb arm7tdmi", "thumb arm926ej_s", "thumb cortex_m0", "thumb cortex_m3"):
+        assert f"compiler-rt (zig 0.17.1) {core}" in found
+    for multilib in (".", "thumb/nofp", "thumb/v6-m/nofp", "thumb/v7-m/nofp", "thumb/v7e-m/nofp"):
+        assert f"libgcc 12.2 {multilib}" in found
+
+
 def test_a_table_of_another_format_is_empty() -> None:
     assert read_table("format = 0") == {}
