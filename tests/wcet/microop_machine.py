@@ -8,6 +8,15 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
+from mauve.wcet.binary.floats import (
+    FloatCompute,
+    FloatConstant,
+    FloatOp,
+    FromFloat,
+    FromInteger,
+    ToFloat,
+    ToInteger,
+)
 from mauve.wcet.binary.microop import (
     Call,
     CompareBranch,
@@ -43,6 +52,8 @@ class State:
     read: Callable[[int], int]
     memory: dict[int, Value] = field(default_factory=dict)
     accesses: list[tuple[int, int]] = field(default_factory=list)
+    floats: dict[int, Value] = field(default_factory=dict)
+    """words of FPU registers, as far as they are known; arithmetic on them is not modelled here"""
     wild: bool = False
     """an access had an unknown address"""
     pc: Value = None
@@ -119,6 +130,16 @@ def _operation(op: object, state: State) -> None:
             _set_flags(kind, _value(a, state), _value(b, state), state.flags)
         case SetCarry(shift, value, amount):
             state.flags[2] = _carry(shift, _value(value, state), _value(amount, state), state.flags[2])
+        case ToFloat(dst, source):
+            state.floats[dst] = state.registers[source]
+        case FromFloat(dst, source):
+            state.registers[dst] = state.floats.get(source)
+        case FloatCompute(op=FloatOp.MOV, dst=dst, a=a):
+            state.floats[dst] = state.floats.get(a)
+        case FloatConstant(dst, word):
+            state.floats[dst] = word
+        case FloatCompute(dst=dst) | FromInteger(dst=dst) | ToInteger(dst=dst):
+            state.floats[dst] = None
 
 
 def _load(state: State, at: int, size: int) -> Value:

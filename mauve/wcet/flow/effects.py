@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from mauve.wcet.binary.graph import Edge, EdgeKind
 from mauve.wcet.binary.microop import SP, Op
-from mauve.wcet.flow import domain, flags, joining, linear
+from mauve.wcet.flow import domain, flags, joining, linear, spills
 from mauve.wcet.flow.domain import MASK, SIGN, TOP, Range
 from mauve.wcet.flow.execute import Record
 from mauve.wcet.flow.linear import FRAME, Value, entry_symbol
@@ -92,6 +92,7 @@ def call(state: State, summary: Summary, record: Record | None, helper: Helper |
         state.leaked = True
     divided = None if helper is None else _division(state, helper)
     _leave_frame(state)
+    spills.forget_after_call(state)
     state.flags, state.origin = flags.ANY, None
     for register in CLOBBERED:
         if register not in summary.kept:

@@ -14,6 +14,8 @@ Value = int | tuple[int, ...]
 
 FRAME = 14
 """The symbol of sp at the entry of the function."""
+FPU = 24
+"""No value's symbol: the region of memory that stands for the FPU's registers, s0 at offset 0."""
 FIRST_FRESH = 32
 MOST_TERMS = 4
 """Sums of more symbols are replaced by a fresh one."""

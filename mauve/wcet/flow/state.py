@@ -18,7 +18,7 @@ from mauve.wcet.binary.microop import Condition, FlagKind
 from mauve.wcet.flow import anchors, domain, flags, linear
 from mauve.wcet.flow.domain import MASK, MODULUS, SIGN, TOP, Range
 from mauve.wcet.flow.image import Image
-from mauve.wcet.flow.linear import FIRST_FRESH, FRAME, MOST_TERMS, Value, entry_symbol
+from mauve.wcet.flow.linear import FIRST_FRESH, FPU, FRAME, MOST_TERMS, Value, entry_symbol
 
 ABSOLUTE = 0
 """The region of fixed addresses."""
@@ -480,10 +480,10 @@ class State:
         """A store to `region` may be one to any other region, except the frame's (unless its address leaked)."""
         if region == FRAME:
             if self.leaked:
-                for other in [r for r in self.memory if r != FRAME]:
+                for other in [r for r in self.memory if r not in (FRAME, FPU)]:
                     del self.memory[other]
             return
-        for other in [r for r in self.memory if r not in (FRAME, region)]:
+        for other in [r for r in self.memory if r not in (FRAME, FPU, region)]:
             del self.memory[other]
         if self.leaked:
             self.forget_frame()

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import cast
 
+from mauve.wcet.binary.floats import FloatMicroOp
 from mauve.wcet.binary.microop import (
     Compute,
     FlagKind,
@@ -18,7 +20,7 @@ from mauve.wcet.binary.microop import (
     Store,
     StoreUnknown,
 )
-from mauve.wcet.flow import domain, flags, linear
+from mauve.wcet.flow import domain, flags, linear, spills
 from mauve.wcet.flow.domain import MASK, SIGN, TOP, Range
 from mauve.wcet.flow.image import Image, NoImage
 from mauve.wcet.flow.linear import FRAME, MOST_TERMS, Value
@@ -63,6 +65,8 @@ def run(state: State, ops: tuple[MicroOp, ...], image: Image, note: Noted | None
                 note(state, index, address, op.size)
             for offset in range(0, op.size, 4):
                 state.store(linear.add(address, offset), None, min(4, op.size - offset))
+        else:
+            spills.operate(state, cast(FloatMicroOp, op))
 
 
 def _operand(state: State, operand: Operand) -> Value:

@@ -7,6 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from wcet import microop_machine as machine
 
+from mauve.wcet.binary.floats import FloatCompute, FloatOp, FromFloat, ToFloat
 from mauve.wcet.binary.microop import (
     Compute,
     Condition,
@@ -23,7 +24,7 @@ from mauve.wcet.binary.microop import (
     Store,
     Traits,
 )
-from mauve.wcet.flow import domain, flags, joining, linear, transfer
+from mauve.wcet.flow import domain, effects, flags, joining, linear, transfer
 from mauve.wcet.flow.domain import MASK, TOP
 from mauve.wcet.flow.linear import entry_symbol
 from mauve.wcet.flow.state import State, Symbols
@@ -33,14 +34,21 @@ EDGES = [0, 1, 2, 3, 4, 8, 31, 32, 33, 100, 255, 256, 0x7FFFFFFF, 0x80000000, 0x
 words = st.one_of(st.sampled_from(EDGES), st.integers(0, MASK))
 registers = st.integers(0, REGISTERS - 1)
 operands = st.one_of(registers, words.map(Imm))
+floats = st.integers(0, 2)
 slots = st.integers(-6, 6).map(lambda i: 4 * i)
 STACK = 0x20001000
 
 
 @st.composite
 def operations(draw):
-    """A few micro-operations on registers and on the stack (register 13)."""
-    kind = draw(st.integers(0, 9))
+    """A few micro-operations on registers, on the stack (register 13), and between registers and those of the FPU."""
+    kind = draw(st.integers(0, 11))
+    if kind == 10:
+        moved = ToFloat(draw(floats), draw(registers)), FloatCompute(FloatOp.MOV, draw(floats), draw(floats))
+        return (draw(st.sampled_from(moved)),)
+    if kind == 11:
+        register = draw(registers)
+        return Compute(Op.UNKNOWN, register), FromFloat(register, draw(floats))
     if kind <= 4:
         op = draw(st.sampled_from([op for op in Op if op is not Op.UNKNOWN]))
         return (Compute(op, draw(registers), draw(operands), draw(operands)),)
@@ -211,3 +219,36 @@ def test_values_with_a_constant_difference_keep_it_across_a_join():
     joined = joining.join(one, two)
     scaled = linear.scale(joined.regs[0], 4)
     assert linear.sub(joined.regs[1], scaled) == linear.of_symbol(entry_symbol(4))
+SPILL, RELOAD = ToFloat(16, 0), (Compute(Op.UNKNOWN, 3), FromFloat(3, 16))
+IN_FRAME = (Compute(Op.SUB, 0, 13, Imm(8)), Compute(Op.MOV, 1, Imm(5)), Store(0, 1))
+
+
+def run_over(*ops):
+    state = State(Symbols())
+    transfer.run(state, ops, transfer.NoImage())
+    return state
+
+
+def test_a_word_comes_back_from_an_fpu_register_as_it_went_there():
+    state = run_over(SPILL, *RELOAD)
+    assert state.regs[3] == state.regs[0]
+    state = run_over(SPILL, FloatCompute(FloatOp.ADD, 16, 16, 16), *RELOAD)
+    assert linear.sub(state.regs[3], state.regs[0]) != 0 and state.range_of(state.regs[3]).is_top
+
+
+def test_a_store_through_an_fpu_register_reaches_the_frame():
+    """An address of the frame that was kept there, followed or not, is one of the frame still."""
+    store = (Store(3, Imm(9)), Compute(Op.SUB, 4, 13, Imm(8)), Load(5, 4))
+    assert run_over(*IN_FRAME, Load(5, 0)).regs[5] == 5
+    assert run_over(*IN_FRAME, SPILL, *RELOAD, *store).regs[5] == 9
+    lost = run_over(*IN_FRAME, SPILL, FloatCompute(FloatOp.UNKNOWN, 16), *RELOAD, *store)
+    assert lost.range_of(lost.regs[5]).is_top
+
+
+def test_a_call_keeps_the_upper_half_of_the_fpu_registers():
+    state = run_over(ToFloat(15, 0), ToFloat(16, 0))
+    before = state.regs[0]
+    after = effects.call(state, effects.UNKNOWN, None)
+    assert after is not None
+    transfer.run(after, (*RELOAD, Compute(Op.UNKNOWN, 4), FromFloat(4, 15)), transfer.NoImage())
+    assert after.regs[3] == before and after.regs[4] != before

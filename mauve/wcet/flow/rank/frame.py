@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
+from mauve.wcet.binary.floats import ToFloat
 from mauve.wcet.binary.graph import EXIT, Cfg
 from mauve.wcet.binary.microop import SP, Compute, Imm, Instruction, Load, Op, Operand, Store, StoreUnknown
 from mauve.wcet.flow.locations import AAPCS, HALF, WORD, Base, CallEffects, Region
@@ -124,6 +125,8 @@ def _instruction(instruction: Instruction, here: _Pointers, stores: dict[tuple[i
                 _store(instruction, index, address, size, here, stores)
             case StoreUnknown(address, size):
                 _store(instruction, index, address, size, here, stores)
+            case ToFloat(_, source):  # not followed: what comes back from the FPU is unknown
+                escapes |= source in here.derived
     for temporary in [r for r in here.derived if r > 15]:
         _forget(here, temporary)
     if before is not None:
