@@ -266,6 +266,7 @@ def _model(cpu: str) -> int:
         "cortex-m0plus": arm.UC_CPU_ARM_CORTEX_M0,
         "cortex-m3": arm.UC_CPU_ARM_CORTEX_M3,
         "cortex-m4": arm.UC_CPU_ARM_CORTEX_M4,
+        "cortex-m4f": arm.UC_CPU_ARM_CORTEX_M4,
     }
     return models.get(cpu, arm.UC_CPU_ARM_926)
 

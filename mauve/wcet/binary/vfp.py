@@ -88,7 +88,7 @@ def data_processing(word: int) -> tuple[FloatMicroOp, ...]:
             return (*product, FloatCompute(FloatOp.ADD, d, d, F0))
         case 0b0001:
             product = _product(n, m, bool(second))
-            return (*product, FloatCompute(FloatOp.SUB, d, F0, d))
+            return (*product, FloatCompute(FloatOp.NEG, F1, d), FloatCompute(FloatOp.ADD, d, F1, F0))
         case 0b0010 if second:
             return (*_product(n, m, True), FloatCompute(FloatOp.MOV, d, F0))
         case 0b0010:

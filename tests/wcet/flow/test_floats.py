@@ -177,5 +177,5 @@ def test_an_instruction_leaves_what_a_core_leaves(name: str) -> None:
                 executed += 1
                 known += all(type(word) is int for word in left)
     assert executed > 20
-    if name not in ("vcvtb, vcvtt", "vmrs, vmsr"):
-        assert known > executed // 3
+    if name not in ("vcvtb, vcvtt", "vmrs, vmsr"):  # fixed point of 16 bits can have a fraction that is undefined
+        assert known == executed or ("fixed" in name and known > executed // 3)

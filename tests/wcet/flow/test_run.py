@@ -31,6 +31,8 @@ IMAGES = {
     "arm7tdmi-O2": "arm7tdmi",
     "cortex-m0-Os": "cortex-m0",
     "cortex-m3-O2": "cortex-m3",
+    "cortex-m4f-O0": "cortex-m4f",
+    "cortex-m4f-O2": "cortex-m4f",
 }
 
 

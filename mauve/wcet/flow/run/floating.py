@@ -1,7 +1,7 @@
 """Single precision arithmetic on the words of a run, as an FPU does it with FPSCR at its reset value.
 
-Rounding is to the nearest (ties to even), subnormal numbers count. What depends on an unknown word is unknown, and so
-is a result that is not a number (its bits are the core's choice). A sum, product, quotient or root of two binary32
+Rounding is to the nearest (ties to even), subnormal numbers count. What depends on an unknown word is unknown. A result
+that is not a number is an operand that is none, or the default one (ARM DDI 0406C A2.7, FPProcessNaNs). A sum, product, quotient or root of two binary32
 numbers is computed in binary64 and rounded once more: with 53 >= 2 * 24 + 2 bits that gives the same as rounding once
 (Figueroa, "When is double rounding innocuous?", SIGNUM Newsletter 30(3), 1995). Subnormal results keep this: sums and
 products are exact in binary64 then, and a quotient that is no midpoint of binary32 numbers differs from one by more
@@ -15,7 +15,7 @@ from struct import Struct
 
 from mauve.wcet.flow.run.words import MASK, UNKNOWN, Word
 
-INFINITY, MINUS = 0x7F80_0000, 0x8000_0000
+INFINITY, MINUS, NONE, QUIET = 0x7F80_0000, 0x8000_0000, 0x7FC0_0000, 0x0040_0000
 _SINGLE, _WORD = Struct("<f"), Struct("<I")
 _pack, _unpack, _bits, _of_bits = _SINGLE.pack, _SINGLE.unpack, _WORD.unpack, _WORD.pack
 
@@ -26,30 +26,44 @@ def _value(word: int) -> float:
     return _unpack(_of_bits(word))[0]  # type: ignore[no-any-return]
 
 
-def _word(value: float) -> Word:
+def _word(value: float) -> int:
     """A number rounded to binary32."""
-    if value != value:
-        return UNKNOWN
     try:
         return _bits(_pack(value))[0]  # type: ignore[no-any-return]
     except OverflowError:
         return INFINITY if value > 0 else INFINITY | MINUS
 
 
+def _none(*operands: int) -> int:
+    """What a result is that is not a number: the first operand that signals, made quiet, or else the first that is not
+    a number, or else the default."""
+    found = [operand for operand in operands if operand & ~MINUS > INFINITY]
+    return next((operand | QUIET for operand in found if not operand & QUIET), found[0] if found else NONE)
+
+
 # ------------------------------------------------------------------------------------------------ operations
 def float_add(a: Word, b: Word) -> Word:
     """a + b."""
-    return _word(_value(a) + _value(b)) if type(a) is int and type(b) is int else UNKNOWN
+    if type(a) is not int or type(b) is not int:
+        return UNKNOWN
+    value = _value(a) + _value(b)
+    return _word(value) if value == value else _none(a, b)
 
 
 def float_sub(a: Word, b: Word) -> Word:
     """a - b."""
-    return _word(_value(a) - _value(b)) if type(a) is int and type(b) is int else UNKNOWN
+    if type(a) is not int or type(b) is not int:
+        return UNKNOWN
+    value = _value(a) - _value(b)
+    return _word(value) if value == value else _none(a, b)
 
 
 def float_mul(a: Word, b: Word) -> Word:
     """a * b."""
-    return _word(_value(a) * _value(b)) if type(a) is int and type(b) is int else UNKNOWN
+    if type(a) is not int or type(b) is not int:
+        return UNKNOWN
+    value = _value(a) * _value(b)
+    return _word(value) if value == value else _none(a, b)
 
 
 def float_div(a: Word, b: Word) -> Word:
@@ -57,9 +71,10 @@ def float_div(a: Word, b: Word) -> Word:
     if type(a) is not int or type(b) is not int:
         return UNKNOWN
     dividend, divisor = _value(a), _value(b)
-    if divisor:
-        return _word(dividend / divisor)
-    return INFINITY | (a ^ b) & MINUS if dividend and dividend == dividend else UNKNOWN
+    if not divisor:
+        return INFINITY | (a ^ b) & MINUS if dividend and dividend == dividend else _none(a)
+    value = dividend / divisor
+    return _word(value) if value == value else _none(a, b)
 
 
 def float_sqrt(a: Word) -> Word:
@@ -67,7 +82,7 @@ def float_sqrt(a: Word) -> Word:
     if type(a) is not int:
         return UNKNOWN
     value = _value(a)
-    return _word(sqrt(value)) if value >= 0 else UNKNOWN
+    return _word(sqrt(value)) if value >= 0 else _none(a)
 
 
 def float_fma(a: Word, b: Word, c: Word) -> Word:
@@ -77,12 +92,15 @@ def float_fma(a: Word, b: Word, c: Word) -> Word:
     x, y, z = _value(a), _value(b), _value(c)
     product = x * y  # exact in binary64
     if not isfinite(product) or not isfinite(z) or product == 0.0 or z == 0.0:
-        return _word(product + z)
+        total = product + z
+        if total == total:
+            return _word(total)
+        return NONE if product != product and x == x and y == y and c & QUIET else _none(c, a, b)
     (above, below), (other_above, other_below) = product.as_integer_ratio(), z.as_integer_ratio()
     return _quotient(above * other_below + other_above * below, below * other_below)
 
 
-def _quotient(above: int, below: int) -> Word:
+def _quotient(above: int, below: int) -> int:
     """above / below, rounded once; `below` is a power of two. An exact 0 is +0."""
     size, exponent = abs(above), 1 - below.bit_length()
     shift = max(size.bit_length() - 24, -149 - exponent)  # what does not fit 24 bits, or lies below the least number
@@ -144,9 +162,9 @@ def float_compare(a: Word, b: Word) -> Four:
 
 
 def float_mode(fpscr: Word) -> Word:
-    """0 where FPSCR asks for the arithmetic of this module: rounding to nearest, subnormal numbers, no vectors (a
-    default NaN and half precision do not matter here)."""
-    return 0 if type(fpscr) is int and fpscr & 0x01F7_0000 == 0 else UNKNOWN
+    """0 where FPSCR asks for the arithmetic of this module: rounding to nearest, subnormal numbers, no default
+    for what is not a number, no vectors (the form of half precision does not matter)."""
+    return 0 if type(fpscr) is int and fpscr & 0x03F7_0000 == 0 else UNKNOWN
 
 
 def float_flags(fpscr: Word) -> Four:
