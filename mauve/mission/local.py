@@ -9,11 +9,14 @@ overlap, and apart where they do not.
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
+from math import prod
+from typing import TypeAlias
 
+from mauve.mission.activities import can_fail
 from mauve.mission.cones import Wiring
 from mauve.mission.flatten import Fork, Leaf, Link, Node, Series, flatten, leaves, short_names
 from mauve.mission.graph import BudgetExceeded, LocalGraph
-from mauve.mission.plan import Block, Child, Mission, Parallel, Sequence, Step
+from mauve.mission.plan import Block, Child, Continue, Mission, Parallel, Recover, Retry, Sequence, Step
 from mauve.mission.stable import BUDGET, alternatives_graph
 from mauve.mission.templates import build_net
 from mauve.records import changed, record
@@ -50,7 +53,7 @@ def local_graphs(mission: Mission, budget: int = BUDGET) -> tuple[LocalGraph, ..
     graphs: list[LocalGraph] = []
     spent = 0
     for local in local_missions(mission):
-        if (exceeded := too_many_devices(local.mission, budget - spent)) is not None:
+        if (exceeded := too_many(local.mission, budget - spent)) is not None:
             return exceeded
         graph = alternatives_graph(build_net(local.mission, local.stems), budget - spent)
         if isinstance(graph, BudgetExceeded):
@@ -60,12 +63,69 @@ def local_graphs(mission: Mission, budget: int = BUDGET) -> tuple[LocalGraph, ..
     return tuple(graphs)
 
 
-def too_many_devices(mission: Mission, budget: int) -> BudgetExceeded | None:
-    """What to say where the states of the devices alone, all of which are reached before the start, are too many."""
-    devices = [device.name for device in mission.hardware if device.may_fail]
-    if len(devices) < budget.bit_length() and 1 << len(devices) <= budget:
-        return None
-    return BudgetExceeded(budget, tuple((name, 2000) for name in devices))
+def too_many(mission: Mission, budget: int) -> BudgetExceeded | None:
+    """What to say where devices and retries alone have too many states; each names by how much it multiplies them.
+
+    Whatever the mission does, each device that may fail is in service or not. An objective that is pursued can fail, so
+    that each number of tries of each block around it is met with all numbers of those around that.
+    """
+    tried, _ = _tries(mission, flatten(mission))
+    factors = tuple((device.name, 2) for device in mission.hardware if device.may_fail) + tried
+    states = 1
+    for _, factor in factors:
+        states *= factor
+        if states > budget:
+            return BudgetExceeded(budget, tuple((name, 1000 * times) for name, times in factors))
+    return None
+
+
+Tried: TypeAlias = tuple[tuple[str, int], ...]
+
+
+def _tries(mission: Mission, node: Node) -> tuple[Tried, bool]:
+    """Blocks of a node and how often they are tried, all combinations of which are met; whether it surely can fail.
+
+    Less than there are: of steps one after the other only those that are reached whatever the activities do.
+    """
+    match node:
+        case Leaf():
+            return (), True
+        case Series(_, links):
+            found: list[tuple[Tried, bool]] = []
+            for link in links:
+                found.append(_tries_of(mission, link))
+                if not _can_go_on(mission, link):
+                    break
+            most = max((tried for tried, _ in found), key=_combinations, default=())
+            return most, any(fails for _, fails in found)
+        case Fork(_, children):
+            each = [(_tries_of(mission, link), mandatory) for link, mandatory in children]
+            return tuple(one for (tried, _), _ in each for one in tried), any(
+                fails and must for (_, fails), must in each
+            )
+
+
+def _tries_of(mission: Mission, link: Link) -> tuple[Tried, bool]:
+    inner, fails = _tries(mission, link.node)
+    match link.step.on_failure:
+        case Retry(times) if times > 0 and fails:
+            return ((link.node.path, times + 1), *inner), True
+        case Continue() | Recover():
+            return inner, False
+        case _:
+            return inner, fails
+
+
+def _can_go_on(mission: Mission, link: Link) -> bool:
+    """Whether what follows a step is reached for certain: it cannot fail, or is an objective that can succeed."""
+    if isinstance(link.step.on_failure, Continue):
+        return True
+    able = {one.name for one in mission.activities if not can_fail(one)}
+    return isinstance(link.node, Leaf) and able.issuperset(link.node.objective.activities)
+
+
+def _combinations(tried: Tried) -> int:
+    return prod(times for _, times in tried)
 
 
 def _parts(wiring: Wiring, node: Node) -> Iterator[tuple[str, Block, frozenset[str]]]:

@@ -82,7 +82,7 @@ def _undecided(verdict: Verdict, written: Claim | Ltl | None, span: Span) -> Dia
 
 
 def _too_large(result: MissionResult) -> Diagnostic:
-    """MV720, with the resources that multiply the states."""
+    """MV720, with the resources and retries that multiply the states."""
     mission, exceeded = result.mission, result.exceeded
     assert exceeded is not None
     spans = {device.name: device.span for device in mission.hardware}
@@ -90,10 +90,12 @@ def _too_large(result: MissionResult) -> Diagnostic:
     times = ", ".join(f"`{name}` by {factor / 1000:g}" for name, factor in most)
     message = f"the mission `{mission.name}` has more than {exceeded.budget} stable states"
     rest = len(exceeded.factors) - len(most)
-    note = f"these resources multiply them: {times}" + (f", and {rest} more" if rest > 0 else "")
+    what = "resources" if all(name in spans for name, _ in most) else "resources and retries"
+    note = f"these {what} multiply them: {times}" + (f", and {rest} more" if rest > 0 else "")
     labels = tuple(Label(spans[name], f"times {factor / 1000:g}") for name, factor in most[:4] if name in spans)
     local = f"each of its {len(result.local)} objectives is analysed on a graph of its own"
-    help_ = Fix("leave out `may fail` or `may recover` where it does not matter, or make several missions")
+    less = "" if what == "resources" else "retry less often, "
+    help_ = Fix(f"{less}leave out `may fail` or `may recover` where it does not matter, or make several missions")
     notes = (note, local) if result.local else (note,)
     return Diagnostic("MV720", message, Label(mission.span), Severity.WARNING, labels, "", notes, help_)
 

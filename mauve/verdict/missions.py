@@ -15,7 +15,7 @@ from mauve.mission.cascades import Unsafe, Unsound
 from mauve.mission.confluence import confluence
 from mauve.mission.contention import Contention, contentions
 from mauve.mission.graph import AlternativesGraph, BudgetExceeded, Confluence, LocalGraph, MarkingsGraph
-from mauve.mission.local import local_graphs, too_many_devices
+from mauve.mission.local import local_graphs, too_many
 from mauve.mission.net import Net
 from mauve.mission.plan import Mission as Plan
 from mauve.mission.properties import ALWAYS, Analysis, analyse
@@ -144,8 +144,8 @@ def check_mission(mission: Mission, options: MissionOptions) -> MissionResult:
 
 
 def _graph(net: Net, plan_: Plan, budget: int) -> AlternativesGraph | BudgetExceeded:
-    """The alternatives graph, unless the states of the devices alone are too many."""
-    return too_many_devices(plan_, budget) or alternatives_graph(net, budget)
+    """The alternatives graph, unless the states of devices and retries alone are too many."""
+    return too_many(plan_, budget) or alternatives_graph(net, budget)
 
 
 def _unsound(error: Unsound, plan_: Plan, wanted: Sequence[f.Property]) -> tuple[f.Verdict, ...]:

@@ -6,8 +6,8 @@ import pytest
 
 from mauve.mission.cones import Wiring
 from mauve.mission.graph import BudgetExceeded, StateView
-from mauve.mission.local import local_graphs, local_missions
-from mauve.mission.plan import Child, Mission, Parallel, Step
+from mauve.mission.local import local_graphs, local_missions, too_many
+from mauve.mission.plan import Child, Mission, Parallel, Retry, Sequence, Step
 from tests.mission.build import does, graph_of, mission, ways
 from tests.mission.coral import coral
 from tests.mission.random_missions import random_mission
@@ -69,3 +69,28 @@ def test_a_local_mission_has_the_cone_of_its_objective() -> None:
     assert not filming.software
     diving = next(one.mission for one in local_missions(plan) if one.path.endswith("Diving"))
     assert {one.name for one in diving.activities} == set(Wiring(plan).closure(["diving"]))
+
+
+def test_devices_and_retries_never_promise_more_states_than_there_are() -> None:
+    for seed in range(40):
+        plan = random_mission(seed)
+        assert too_many(plan, len(graph_of(plan).markings)) is None, seed
+
+
+def nested(times: int) -> Mission:
+    """An objective tried again and again, in two blocks that are, too."""
+    inner = Sequence("b", (Step(does("free"), Retry(times)), Step(does("a", "user"), Retry(times))))
+    return mission(
+        Step(Sequence("c", (Step(inner, Retry(times)),)), Retry(times)),
+        activities=(ways("user", ("h", "")),),
+        hardware="h",
+    )
+
+
+def test_nested_retries_multiply_the_states_and_are_named() -> None:
+    found = too_many(nested(3), 2 * 4**3 - 1)
+    assert found is not None
+    assert found.factors == (("h", 2_000), ("c", 4_000), ("c.b", 4_000), ("c.b.free", 4_000))
+    assert too_many(nested(3), 2 * 4**3) is None
+    assert len(graph_of(nested(3)).markings) > 2 * 4**3
+    assert too_many(nested(100), 1_000_000) is not None

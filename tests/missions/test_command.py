@@ -99,6 +99,30 @@ def test_beyond_the_budget_objectives_are_analysed_alone(capsys: pytest.CaptureF
     assert "MV720" in captured.err and "multiply" in captured.err
 
 
+def test_retries_in_each_other_are_beyond_the_budget_at_once(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    path = tmp_path / "m.mauve"
+    path.write_text(
+        """mauve 1
+hardware H : sensor may fail, may recover
+activity user { consumes H }
+objective A { does user }
+objective B { A on failure retry 100 }
+objective C { B on failure retry 100 }
+mission M { C on failure retry 100  accepts single failure of H }
+""",
+        encoding="utf-8",
+    )
+    main(["mission", str(path), "--format", "json"])
+    captured = capsys.readouterr()
+    (mission,) = document(captured.out)["missions"]
+    assert mission["seconds"] < 10
+    assert [one["objective"] for one in mission["local_graphs"]] == ["C.B.A"]
+    assert "MV720" in captured.err
+    assert "`H` by 2, `C` by 101, `C.B` by 101, `C.B.A` by 101" in captured.err
+
+
 def test_a_formula_needs_the_whole_graph(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     path = tmp_path / "m.mauve"
     path.write_text(GOOD.replace("  accepts", "  check ltl calm: always not failure\n  accepts"), encoding="utf-8")
