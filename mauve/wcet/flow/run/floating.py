@@ -1,11 +1,11 @@
 """Single precision arithmetic on the words of a run, as an FPU does it with FPSCR at its reset value.
 
 Rounding is to the nearest (ties to even), subnormal numbers count. What depends on an unknown word is unknown. A result
-that is not a number is an operand that is none, or the default one (ARM DDI 0406C A2.7, FPProcessNaNs). A sum, product, quotient or root of two binary32
-numbers is computed in binary64 and rounded once more: with 53 >= 2 * 24 + 2 bits that gives the same as rounding once
-(Figueroa, "When is double rounding innocuous?", SIGNUM Newsletter 30(3), 1995). Subnormal results keep this: sums and
-products are exact in binary64 then, and a quotient that is no midpoint of binary32 numbers differs from one by more
-than binary64 rounds off.
+that is not a number is an operand that is none, or the default one (ARM DDI 0406C A2.7, FPProcessNaNs). A sum, product,
+quotient or root of two binary32 numbers is computed in binary64 and rounded once more: with 53 >= 2 * 24 + 2 bits that
+gives the same as rounding once (Figueroa, "When is double rounding innocuous?", SIGNUM Newsletter 30(3), 1995).
+Subnormal results keep this: sums and products are exact in binary64 then, and a quotient that is no midpoint of
+binary32 numbers differs from one by more than binary64 rounds off.
 """
 
 from __future__ import annotations
