@@ -33,7 +33,7 @@ from mauve.wcet.flow import anchors, closed_form, domain, flags, joining, linear
 from mauve.wcet.flow.closed_form import Stay
 from mauve.wcet.flow.domain import SIGN, Range
 from mauve.wcet.flow.image import Image
-from mauve.wcet.flow.joining import Header
+from mauve.wcet.flow.joining import Header, Place
 from mauve.wcet.flow.linear import FIRST_FRESH, FRAME, Value
 from mauve.wcet.flow.order import FUNCTION, Order
 from mauve.wcet.flow.state import MASK_OF_ALL, State
@@ -45,6 +45,11 @@ Leaving = dict[int, States]
 
 MOST_STOPS = 3
 """Attempts at a header in which ranges stop at any mark."""
+SEARCHED = (0, 1, 2, 3, 2, 1)
+"""While the header of a loop is sought, the headers of loops at most so much deeper are sought anew each time, those
+even deeper are passed roughly: by how many loops lie inside each other in the loop, the last one for more."""
+MOST_ROUGH = 6
+"""Attempts at a rough header."""
 MOST_SPLITS = 8
 """In a block, conditional instructions split a state at most into this many."""
 
@@ -132,6 +137,8 @@ class Execution:
         self.limits: list[tuple[int, int]] = []
         self.watching: _Exits | None = None
         self.marks: list[_Marks] = []
+        self.deepest: int | None = None
+        self.moving: dict[int, dict[Place, int]] = {}
 
     def execute(self, entry: State) -> Record:
         """Execute from the function's entry; the record is complete."""
@@ -190,7 +197,8 @@ class Execution:
     def _step(self, loop: int, states: States) -> Leaving:
         """Execute a loop iteration by iteration."""
         left_steps = (self.limits[-1][1] if self.limits else self.policy.steps) - self.steps
-        self.limits.append((loop, self.steps + left_steps // 2))
+        inside = self.order.height[loop] + 1
+        self.limits.append((loop, self.steps + left_steps * inside // (inside + 1)))
         saved = self._checkpoint()
         leaving: Leaving = {}
         count, checkpoint = 0, None
@@ -249,14 +257,20 @@ class Execution:
     # ------------------------------------------------------------------------------------------------ summarising
     def _summarise(self, loop: int, entry: State) -> Leaving:
         """Find a header that holds all iterations, bound it, and pass through the loop once from there."""
+        depth, deepest = self.order.nest.loops[loop].depth, self.deepest
+        if deepest is not None and depth > deepest:
+            return self._rough(loop, entry)
         record, stays = self.record, self.stays
         self.record = None
         self.summaries += 1
         try:
             try:
+                if deepest is None:
+                    inside = self.order.height[loop]
+                    self.deepest = depth + SEARCHED[min(inside, len(SEARCHED) - 1)]
                 header, bound = self._header(loop, entry)
             finally:
-                self.record, self.stays = record, stays
+                self.record, self.stays, self.deepest = record, stays, deepest
             self._note_visits(loop, bound, "affine")
             if record is not None and header is not None:
                 record.headers[loop] = header
@@ -265,16 +279,36 @@ class Execution:
             self.summaries -= 1
         return leaving
 
+    def _rough(self, loop: int, entry: State) -> Leaving:
+        """Pass through a loop from a header in which all that some iteration changes is unknown. Deep in a nest this
+        keeps the search for the outer headers short: what is remembered of such a loop from one time to the next makes
+        it one pass through its blocks."""
+        state, moving = entry.copy(), self.moving.setdefault(loop, {})
+        state.flags, state.origin = flags.ANY, None
+        for place, mask in moving.items():
+            joining.forget(state, place, mask)
+        for _ in range(MOST_ROUGH):
+            leaving, back, _ = self._pass(loop, state)
+            if back is None or joining.unmoved(state, back, moving):
+                return leaving
+        header = self._surrender(loop, entry)
+        return self._pass(loop, header.state)[0]
+
     def _try(self, loop: int, state: State) -> tuple[State | None, list[Stay]]:
         """One pass from a header state: the state at the back edges, and the conditions for going on."""
+        return self._pass(loop, state)[1:]
+
+    def _pass(self, loop: int, state: State) -> tuple[Leaving, State | None, list[Stay]]:
+        """One pass from a header state: what leaves the loop, the state at the back edges, and the conditions for going
+        on."""
         outer, floor, symbols = self.stays, state.symbols.floor, state.symbols
         self.stays, symbols.floor = {loop: []}, symbols.fresh()
         try:
-            _, back = self._region(loop, [state.copy()])
+            leaving, back = self._region(loop, [state.copy()])
             found = self.stays[loop]
         finally:
             self.stays, symbols.floor = outer, floor
-        return (joining.join_all(back) if back else None), found
+        return leaving, (joining.join_all(back) if back else None), found
 
     def _header(self, loop: int, entry: State) -> tuple[Header | None, int | None]:
         """A header that holds all visits and a bound of their number; (None, 1) where the loop never comes back."""

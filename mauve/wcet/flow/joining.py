@@ -279,6 +279,37 @@ def _size(state: State, place: Place) -> int:
     return 4 if place[0] < 0 else state.memory[place[0]][place[1]][0]
 
 
+def forget(state: State, place: Place, mask: int) -> None:
+    """Make a place unknown; `mask` says of which addresses it may be computed (State.mask)."""
+    if place[0] >= 0:
+        if place[1] in state.memory.get(place[0], {}):
+            state.cells(place[0]).pop(place[1])
+        return
+    state.regs[place[1]] = (0, state.symbols.fresh(), 1)
+    state.tainted(state.regs[place[1]], mask)
+
+
+def unmoved(state: State, back: State, moving: dict[Place, int]) -> bool:
+    """Whether one iteration from a header leaves every place as it was, but for those in `moving`, which the header
+    does not know. Else they join `moving` with their masks, and the header forgets them."""
+    agrees = True
+    if (back.leaked and not state.leaked) or back.held & ~state.held:
+        state.leaked, state.held, agrees = back.leaked or state.leaked, back.held | state.held, False
+    for place, value in _places(state):
+        later = _get(back, place, _size(state, place))
+        if later is not None and later in (value, back.pinned(value)):
+            continue
+        before = moving.get(place, 0)
+        mask = before | state.mask(value) | (0 if later is None else back.mask(later))
+        if place in moving and mask == before:
+            continue
+        if linear.is_entry_symbol(place[0]):  # others mean something else the next time
+            moving[place] = mask
+        forget(state, place, mask)
+        agrees = False
+    return agrees
+
+
 def generalise(entry: State, back: State, thresholds: Sequence[int], limits: Sequence[Value] = ()) -> Header:
     """The template of a header from the state on entry and the state after one iteration. `limits` are values that stay
     as they are and that the loop compares with."""

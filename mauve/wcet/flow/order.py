@@ -27,7 +27,8 @@ class Region:
 class Order:
     """`inner[header]` is the loop that a header block starts; `innermost[block]` the region that holds a block
     directly; `taken` and `fall` the indices of the edges that leave a block when its last instruction acts, and when
-    it does not; `always[loop]` the blocks that every full iteration of a loop passes."""
+    it does not; `always[loop]` the blocks that every full iteration of a loop passes; `height[loop]` how many loops lie
+    inside each other in it."""
 
     cfg: Cfg
     nest: LoopNest
@@ -37,6 +38,7 @@ class Order:
     taken: tuple[tuple[int, ...], ...]
     fall: tuple[tuple[int, ...], ...]
     always: dict[int, frozenset[int]]
+    height: tuple[int, ...]
 
 
 def arrange(cfg: Cfg, nest: LoopNest) -> Order:
@@ -70,7 +72,11 @@ def arrange(cfg: Cfg, nest: LoopNest) -> Order:
         fall.append(tuple(index for index, edge in edges if edge.kind is EdgeKind.FALL))
         taken.append(tuple(index for index, edge in edges if edge.kind is not EdgeKind.FALL))
     always = {loop.id: _always(cfg, nest, loop.id, leaving) for loop in nest.loops}
-    return Order(cfg, nest, regions, inner, tuple(innermost), tuple(taken), tuple(fall), always)
+    height = [0] * len(nest.loops)
+    for loop in reversed(nest.loops):
+        if loop.parent is not None:
+            height[loop.parent] = max(height[loop.parent], height[loop.id] + 1)
+    return Order(cfg, nest, regions, inner, tuple(innermost), tuple(taken), tuple(fall), always, tuple(height))
 
 
 def _reverse_postorder(cfg: Cfg, leaving: list[list[int]]) -> list[int]:

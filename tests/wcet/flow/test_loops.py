@@ -9,7 +9,7 @@ from wcet.flow.assembler import Code, run
 
 from mauve.wcet.binary.loops import loop_nest
 from mauve.wcet.binary.microop import Compute, Condition, FlagKind, Imm, Load, Op, SetFlags, Store
-from mauve.wcet.flow import effects
+from mauve.wcet.flow import effects, execute
 from mauve.wcet.flow.function import FunctionResult, Limits, analyse_function
 from mauve.wcet.flow.order import arrange
 from mauve.wcet.flow.state import State, Symbols
@@ -300,6 +300,42 @@ numbers = st.one_of(st.integers(-5, 30).map(lambda n: n & 0xFFFFFFFF), st.intege
 @given(programs(), st.lists(numbers, min_size=6, max_size=6), st.integers(0, 1000))
 def test_random_programs_never_run_more_than_their_bounds(code, registers, seed):
     compare(code, registers, seed, Limits(steps=600))
+
+
+def test_random_programs_whose_inner_loops_are_passed_roughly(monkeypatch):
+    monkeypatch.setattr(execute, "SEARCHED", (0,))
+
+    @settings(max_examples=25, deadline=None)
+    @given(programs(), st.lists(numbers, min_size=6, max_size=6), st.integers(0, 1000))
+    def check(code, registers, seed):
+        compare(code, registers, seed, Limits(steps=0))
+
+    check()
+
+
+def nest(limits: list[int | None], start: int) -> Code:
+    """Counters in stack slots, one loop inside the other; a limit None is the counter of the loop around it."""
+    code = Code()
+    for depth in range(len(limits)):
+        code.store(Imm(start), -8 - 4 * depth)
+        code.branch(f"test{depth}")
+        code.label(f"body{depth}")
+    for depth in reversed(range(len(limits))):
+        code.load(3, -8 - 4 * depth)
+        code.compute(Op.ADD, 3, 3, Imm(1))
+        code.store(3, -8 - 4 * depth)
+        code.label(f"test{depth}")
+        code.load(3, -8 - 4 * depth)
+        code.load(2, -4 - 4 * depth)
+        given_limit = limits[depth]
+        code.compare(3, 2 if given_limit is None else Imm(given_limit))
+        code.branch(f"body{depth}", Condition.LE)
+    return code
+
+
+def test_a_nest_of_twelve_loops():
+    result = analyse(nest([7, *[None] * 11], 0), Limits())
+    assert [result.bounds[loop].bound for loop in range(12)] == [9] * 12
 
 
 @pytest.mark.slow
