@@ -135,8 +135,8 @@ class Orders:
         known = self.parts.get(group)
         if known is None:
             known = self.parts[group] = {}
-        for mask, by_value in known.items():
-            part = by_value.get(state & mask)
+        for mask in reversed(known):  # what was seen last is met again first
+            part = known[mask].get(state & mask)
             if part is not None:
                 return part
         if depth == DEEPEST:

@@ -74,8 +74,9 @@ class Controller:
         if index == len(self.rules):
             self.rules.append(Rule(*rule))
         depends = done.tested | done.spared
+        lasting = depends & ~self.table.transient
         for unit in self.units:
-            if unit & depends & ~self.table.transient:
+            if unit & lasting:
                 depends |= unit
         step = (~cleared, filled, index)
         known.add(depends, state & depends, step)
