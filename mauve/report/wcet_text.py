@@ -128,7 +128,8 @@ def _worst_path(elf: str, result: WcetResult, style: Style, limit: int | None) -
     if rest:
         rows.append((f"{len(dearest) - HOT_LINES} others", "", "", grouped(rest), percent(rest / whole), ""))
     title = f"worst path of {result.name}: {grouped(whole)} cycles"
-    return [style.paint(Role.MESSAGE, title), "", *format_table(PATH, rows, style, limit=limit), *_busiest(result)]
+    table = format_table(PATH, rows, style, limit=limit)
+    return [style.paint(Role.MESSAGE, title), "", *table, *_busiest(result), *_never(result)]
 
 
 def _busiest(result: WcetResult) -> list[str]:
@@ -141,6 +142,27 @@ def _busiest(result: WcetResult) -> list[str]:
     busiest = [item for item in sorted(headers.items(), key=lambda item: -item[1]) if item[1] > 1][:3]
     words = [f"{name} in {function} ({grouped(count)} times)" for (name, function), count in busiest]
     return [f"  busiest loops: {'; '.join(words)}"] if words else []
+
+
+NEVER = 8
+"""Groups of branches that exclude each other that are shown."""
+
+
+def _never(result: WcetResult) -> list[str]:
+    """The branches that the worst path would like to take together."""
+    lines = []
+    for group in result.exclusive[:NEVER]:
+        conditions: dict[str, dict[str, None]] = {}
+        for way in group.branches:
+            conditions.setdefault(_place(way.source, way.address), {})[way.condition] = None
+        if len(conditions) > 1:
+            ways = [f"{place} ({' or '.join(said)})" for place, said in conditions.items()]
+        else:
+            ways = [f"{_place(way.source, way.address)} ({way.condition})" for way in group.branches]
+        where = "" if group.loop is None else f", in one iteration of the loop at {group.loop:#x}"
+        lines.append(f"  never together: {', '.join(ways[:-1])} and {ways[-1]}{where}")
+    rest = len(result.exclusive) - NEVER
+    return [*lines, f"  and {_count(rest, 'such group')} more"] if rest > 0 else lines
 
 
 class _Sources:

@@ -14,7 +14,16 @@ from mauve.wcet.hardware.board import Board
 from mauve.wcet.hardware.core import Core
 from mauve.wcet.hardware.cost import return_waits
 from mauve.wcet.ipet.bottom_up import FunctionBound, calls_of
-from mauve.wcet.result import BlockResult, CallResult, LoopResult, Problem, ProblemKind, WcetResult
+from mauve.wcet.result import (
+    BlockResult,
+    BranchResult,
+    CallResult,
+    ExclusiveResult,
+    LoopResult,
+    Problem,
+    ProblemKind,
+    WcetResult,
+)
 from mauve.wcet.routines import told_as_one
 
 Lines = Callable[[int], str]
@@ -53,6 +62,7 @@ def assemble(
         notes=tuple(_located(note, lines) for note in program.notes),
         assumptions=tuple(dict.fromkeys((*ALWAYS, *board_assumptions(core, board), *program.assumptions))),
         stack=None if entry is None else entry.stack,
+        exclusive=_exclusive(program, bounds, executions, lines),
     )
 
 
@@ -107,6 +117,25 @@ def _loops(program: ProgramFlow, lines: Lines) -> tuple[LoopResult, ...]:
                 )
             ] = None
     return tuple(sorted(found, key=lambda loop: (loop.header, loop.function, loop.context)))
+
+
+def _exclusive(
+    program: ProgramFlow, bounds: Bounds, executions: Mapping[ContextKey, int], lines: Lines
+) -> tuple[ExclusiveResult, ...]:
+    """The groups of branches that bound the functions on the worst path, equal ones once."""
+    found: dict[ExclusiveResult, None] = {}
+    for key, times in executions.items():
+        flow = program.functions[key]
+        for number in bounds[key].never if times else ():
+            group = flow.exclusive[number]
+            branches: dict[BranchResult, None] = {}
+            for edge, condition in zip(group.edges, group.conditions, strict=True):
+                if edge not in flow.infeasible:
+                    address = flow.cfg.blocks[flow.cfg.edges[edge].source].instructions[-1].address
+                    branches[BranchResult(address, lines(address), condition)] = None
+            loop = None if group.loop is None else flow.cfg.blocks[flow.nest.loops[group.loop].header].address
+            found[ExclusiveResult(flow.cfg.name, loop, tuple(branches))] = None
+    return tuple(sorted(found, key=lambda group: group.branches[0].address))
 
 
 def _calls(

@@ -24,7 +24,9 @@ from mauve.wcet.flow.facts import Fact
 from mauve.wcet.hardware.board import Board
 from mauve.wcet.result import (
     BlockResult,
+    BranchResult,
     CallResult,
+    ExclusiveResult,
     GlobalUse,
     LoopResult,
     Origin,
@@ -158,7 +160,12 @@ def decode(data: dict[str, Any]) -> WcetResult:
     fields["notes"] = tuple(_problem(problem) for problem in data["notes"])
     fields["assumptions"] = tuple(data["assumptions"])
     fields["globals"] = tuple(GlobalUse(**use) for use in data["globals"])
+    fields["exclusive"] = tuple(_exclusive(group) for group in data["exclusive"])
     return WcetResult(**fields)
+
+
+def _exclusive(data: dict[str, Any]) -> ExclusiveResult:
+    return ExclusiveResult(**{**data, "branches": tuple(BranchResult(**branch) for branch in data["branches"])})
 
 
 def _loop(data: dict[str, Any]) -> LoopResult:

@@ -101,6 +101,26 @@ class CallResult:
 
 
 @record
+class BranchResult:
+    """One way out of a decision: the address of the instruction that decides (or of the last one before a join), its
+    line, and what going that way takes for granted (`mode == 1`)."""
+
+    address: int
+    source: str
+    condition: str
+
+
+@record
+class ExclusiveResult:
+    """Ways of which one execution of `function` goes at most one, or one iteration of the loop with the header `loop`:
+    their conditions contradict each other. The bound rests on it."""
+
+    function: str
+    loop: int | None
+    branches: tuple[BranchResult, ...]
+
+
+@record
 class GlobalUse:
     """An object of the binary that the function, or what it calls, reads or writes at addresses that the analysis
     knows; what is reached through pointers it does not know is missing."""
@@ -130,6 +150,7 @@ class WcetResult:
     assumptions: tuple[str, ...] = ()
     stack: int | None = None
     globals: tuple[GlobalUse, ...] = ()
+    exclusive: tuple[ExclusiveResult, ...] = ()
     seconds: float = 0.0
 
     @property

@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from typing import Any
 
 from mauve.wcet.hardware.board import Board
-from mauve.wcet.result import BlockResult, CallResult, LoopResult, Problem, WcetResult
+from mauve.wcet.result import BlockResult, CallResult, ExclusiveResult, LoopResult, Problem, WcetResult
 
 SCHEMA = "mauve.wcet/1"
 
@@ -36,6 +36,7 @@ def function(result: WcetResult) -> dict[str, Any]:
         "assumptions": list(result.assumptions),
         "stack_bytes": result.stack,
         "globals": [{"symbol": use.symbol, "reads": use.reads, "writes": use.writes} for use in result.globals],
+        "exclusive": [_exclusive(group) for group in result.exclusive],
         "seconds": round(result.seconds, 6),
     }
 
@@ -63,6 +64,11 @@ def _loop(loop: LoopResult) -> dict[str, Any]:
         "origin": None if loop.origin is None else loop.origin.value,
         "method": loop.method,
     }
+
+
+def _exclusive(group: ExclusiveResult) -> dict[str, Any]:
+    branches = [{"address": b.address, "source": b.source, "condition": b.condition} for b in group.branches]
+    return {"function": group.function, "loop": group.loop, "branches": branches}
 
 
 def _call(call: CallResult) -> dict[str, Any]:

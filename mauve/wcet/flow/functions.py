@@ -27,7 +27,7 @@ from mauve.wcet.flow.given import Given, Stated
 from mauve.wcet.flow.image import Image
 from mauve.wcet.flow.locations import CallEffects, Helper
 from mauve.wcet.flow.order import Order, arrange
-from mauve.wcet.flow.result import AddressRange, FunctionFlow, LoopBound
+from mauve.wcet.flow.result import AddressRange, Exclusive, FunctionFlow, LoopBound
 from mauve.wcet.flow.state import ABSOLUTE, State, Symbols
 from mauve.wcet.flow.values import LoopValues
 from mauve.wcet.result import Origin, Problem, ProblemKind
@@ -54,7 +54,8 @@ Name = tuple[int, tuple[object, ...]]
 class Analysed:
     """One function in one context. `flow` is complete but for `calls`: they are in `called`, by edge, as contexts or as
     the keys of functions that are called in the context for every call. `words` describe the context; `asked` are the
-    contexts that its analysis asked for, directly or not. `targets` None: nothing but the graph is known."""
+    contexts that its analysis asked for, directly or not. `targets` None: nothing but the graph is known. `places` are
+    what accesses touch, kept where the state is unknown."""
 
     flow: FunctionFlow
     called: Mapping[int, tuple[int | Analysed, ...]]
@@ -65,6 +66,7 @@ class Analysed:
     words: str = ""
     summary: Summary = UNKNOWN
     attempt: Attempt | None = None
+    places: Mapping[tuple[int, int], effects.Place] = field(default_factory=dict)
 
 
 @dataclass(slots=True)
@@ -105,6 +107,7 @@ class Functions:
         self.thorough: dict[int, Analysed] = {}
         self.contexts: dict[Name, Analysed] = {}
         self.cyclic: set[int] = set()
+        self.excluded: dict[int, tuple[Exclusive, ...]] = {}
         self.curtailed = False
 
     def settle(self, entry: int, deadline: float | None, from_state: bool = False) -> callgraph.Order:
@@ -251,6 +254,7 @@ class Functions:
             self.given.compare(cfg, nest, derived),
             summary=effects.summarise(result.record),
             attempt=result.attempt,
+            places={} if name[1] else result.accesses,
         )
 
     def _broken_facts(self, cfg: Cfg, result: FunctionResult) -> Iterator[Problem]:
@@ -265,6 +269,19 @@ class Functions:
         """What a run-time helper computes, by its name."""
         symbol = self.binary.symbol_at(key)
         return None if symbol is None else effects.helper_named({symbol.name, self.cfgs[key].name})
+
+    def exclusive(self, key: int) -> tuple[Exclusive, ...]:
+        """The edges of a function that exclude each other, whatever it is called with."""
+        if key not in self.excluded:
+            from mauve.wcet.flow.exclusive.find import exclusive
+            from mauve.wcet.flow.exclusive.memory import FunctionMemory, Names, written
+
+            cfg, known = self.cfgs[key], self.thorough.get(key) or self.quick.get(key)
+            memory = FunctionMemory(self.image, {} if known is None else known.places)
+            never = frozenset[int]() if known is None else known.flow.infeasible
+            changes = self._effects(cfg, {}), written(cfg.edges, self.summaries)
+            self.excluded[key] = exclusive(cfg, self.nest(key), memory, *changes, never, Names(self.binary))
+        return self.excluded[key]
 
     def _effects(self, cfg: Cfg, helpers: Mapping[int, Helper]) -> dict[int, CallEffects]:
         """What the calls on each edge change."""

@@ -176,7 +176,7 @@ class _Program:
     def __init__(
         self, binary: Binary, functions: Functions, entry: int, deadline: float | None, initial_data: bool
     ) -> None:
-        self.binary, self.functions, self.entry = binary, functions, entry
+        self.binary, self.functions, self.entry, self.deadline = binary, functions, entry, deadline
         self.order: Order = functions.settle(entry, deadline, initial_data)
         self.top: Analysed | None = None
         if initial_data:
@@ -290,8 +290,10 @@ class _Program:
             contexts = (c if isinstance(c, Analysed) else (self.functions.default(c) or c) for c in callees)
             if index not in function.flow.infeasible:
                 calls[index] = tuple(names[c] if isinstance(c, Analysed) else (c, "") for c in contexts)
-        if function.flow.calls != calls:
-            function.flow = replace(function.flow, calls=calls)
+        late = self.deadline is not None and monotonic() > self.deadline
+        excluded = () if late else self.functions.exclusive(function.name[0])
+        if function.flow.calls != calls or function.flow.exclusive != excluded:
+            function.flow = replace(function.flow, calls=calls, exclusive=excluded)
         return function.flow
 
 

@@ -34,6 +34,16 @@ class AddressRange:
 
 
 @dataclass(frozen=True, slots=True)
+class Exclusive:
+    """Edges of which at most one is taken in one execution of the function, or in one iteration of the loop with the
+    index `loop`, however often it is taken there. `conditions` say for each what it takes for granted."""
+
+    edges: tuple[int, ...]
+    loop: int | None
+    conditions: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
 class FunctionFlow:
     """A function in one context.
 
@@ -43,7 +53,7 @@ class FunctionFlow:
     index of an edge with callees to the contexts of those callees, in the order of `Edge.callees`. `stack` is the
     greatest depth of the function's own frame in bytes, callees not included; None when unknown. `edge_limits` maps
     the index of an edge to the most often one execution of the function in this context takes it, where that is known
-    beyond what bounds and totals say.
+    beyond what bounds and totals say. `exclusive` are groups of edges that are never taken together.
     """
 
     cfg: Cfg
@@ -55,6 +65,7 @@ class FunctionFlow:
     problems: tuple[Problem, ...] = ()
     stack: int | None = None
     edge_limits: Mapping[int, int] = field(default_factory=dict)
+    exclusive: tuple[Exclusive, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

@@ -16,6 +16,7 @@ from mauve.wcet.hardware.board import Board
 from mauve.wcet.hardware.core import Core
 from mauve.wcet.hardware.cost import edge_costs
 from mauve.wcet.ipet.problem import PathProblem, problem_of
+from mauve.wcet.ipet.program import NEVER
 from mauve.wcet.ipet.solve import Method, solve
 from mauve.wcet.result import Problem, ProblemKind
 
@@ -39,6 +40,8 @@ class FunctionBound:
     problems: tuple[Problem, ...] = ()
     stack: int | None = None
     method: str = ""
+    never: tuple[int, ...] = ()
+    """the groups in `FunctionFlow.exclusive` that the bound rests on"""
 
 
 def bound_program(
@@ -88,7 +91,8 @@ def bound_function(
         message = f"{flow.cfg.name} does not return: no path leads out of it"
         problem = Problem(ProblemKind.NO_RETURN, message, flow.cfg.address, flow.cfg.name)
         return FunctionBound(None, problems=(problem,), stack=stack)
-    return FunctionBound(solution.cycles, costs.cycles, solution.counts, chosen, (), stack, solution.method)
+    never = tuple(sorted(int(name.removeprefix(NEVER)) for name in solution.binding if name.startswith(NEVER)))
+    return FunctionBound(solution.cycles, costs.cycles, solution.counts, chosen, (), stack, solution.method, never)
 
 
 def function_problem(flow: FunctionFlow, costs: tuple[int, ...]) -> PathProblem:
@@ -101,6 +105,7 @@ def function_problem(flow: FunctionFlow, costs: tuple[int, ...]) -> PathProblem:
         {loop: bound.total for loop, bound in flow.bounds.items() if bound.total is not None},
         flow.infeasible,
         flow.edge_limits,
+        tuple((group.edges, group.loop) for group in flow.exclusive),
     )
 
 

@@ -31,10 +31,12 @@ Prices = tuple[Fraction, ...]
 @dataclass(frozen=True, slots=True)
 class Priced:
     """f at its least point found, rounded down, and the edge counts that the last price led to: a flow that keeps the
-    flow and loop rows, None where it is none of integers. They need not keep the priced rows."""
+    flow and loop rows, None where it is none of integers. They need not keep the priced rows. `paid` are the names of
+    the rows with a price."""
 
     bound: int
     counts: tuple[int, ...] | None
+    paid: frozenset[str]
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,7 +73,8 @@ def bound_with_rows(shape: Skeleton, rows: Sequence[Row], start: Sequence[Fracti
             work -= solved * len(shape.problem.edges)
         if value == before or len(rows) == 1:
             break
-    return Priced(value.numerator // value.denominator, counts)
+    paid = frozenset(row.name for row, price in zip(rows, prices, strict=True) if price)
+    return Priced(value.numerator // value.denominator, counts, paid)
 
 
 def _best_price(

@@ -18,7 +18,8 @@ from mauve.wcet.binary.loops import LoopNest
 class PathProblem:
     """`edges[i]` is (source, target) and costs `costs[i]` cycles each time it is passed. `bounds` maps the index of a
     loop to the executions of its header per entry (at least 1), `totals` to its executions per execution of the
-    whole; `limits` maps an edge to how often one execution of the whole passes it at most."""
+    whole; `limits` maps an edge to how often one execution of the whole passes it at most. Of the edges of each group
+    in `exclusive` at most one is passed in one execution of the whole, or in one iteration of the group's loop."""
 
     blocks: int
     entry: int
@@ -29,6 +30,12 @@ class PathProblem:
     totals: Mapping[int, int] = field(default_factory=dict)
     infeasible: frozenset[int] = frozenset()
     limits: Mapping[int, int] = field(default_factory=dict)
+    exclusive: tuple[tuple[tuple[int, ...], int | None], ...] = ()
+
+    @property
+    def has_sides(self) -> bool:
+        """Whether there are constraints besides those of the graph and of its loops."""
+        return bool(self.totals or self.limits or self.exclusive)
 
     def __str__(self) -> str:
         lines = [f"{self.blocks} blocks, entry b{self.entry}"]
@@ -39,6 +46,9 @@ class PathProblem:
         for index, loop in enumerate(self.nest.loops):
             total = f", at most {self.totals[index]} in all" if index in self.totals else ""
             lines.append(f"loop b{loop.header}: at most {self.bounds.get(index)} per entry{total}")
+        for edges, inside in self.exclusive:
+            where = "" if inside is None else f" in one iteration of loop b{self.nest.loops[inside].header}"
+            lines.append(f"at most one of {', '.join(f'e{edge}' for edge in edges)}{where}")
         return "\n".join(lines)
 
 
@@ -54,6 +64,8 @@ class PathSolution:
     counts: tuple[int, ...]
     attained: bool
     method: str
+    binding: frozenset[str] = frozenset()
+    """the names of side rows without which the bound would, or might, be greater"""
 
 
 def problem_of(
@@ -64,6 +76,7 @@ def problem_of(
     totals: Mapping[int, int] | None = None,
     infeasible: frozenset[int] = frozenset(),
     limits: Mapping[int, int] | None = None,
+    exclusive: tuple[tuple[tuple[int, ...], int | None], ...] = (),
 ) -> PathProblem:
     """The path problem of a function. A bound below 1 is taken as 1: a loop that is entered runs its header. An edge
     with the limit 0 is infeasible."""
@@ -78,6 +91,7 @@ def problem_of(
         totals=dict(totals or {}),
         infeasible=infeasible | never,
         limits={edge: limit for edge, limit in (limits or {}).items() if edge not in infeasible | never},
+        exclusive=exclusive,
     )
 
 
@@ -110,6 +124,44 @@ def greatest_counts(problem: PathProblem) -> tuple[int, ...]:
         0 if i in problem.infeasible else min(loops[source], problem.limits.get(i, loops[source]))
         for i, (source, _) in enumerate(problem.edges)
     )
+
+
+def feasible_out(problem: PathProblem) -> dict[int, list[int]]:
+    """The targets of the feasible edges of each block."""
+    out: dict[int, list[int]] = {}
+    for index, (source, target) in enumerate(problem.edges):
+        if index not in problem.infeasible:
+            out.setdefault(source, []).append(target)
+    return out
+
+
+def repeats(problem: PathProblem, edge: int, scope: int | None, out: Mapping[int, Sequence[int]]) -> int:
+    """How often an edge can be passed in one iteration of the loop `scope` (None: one execution of the whole): the
+    product of that for the loops inside it that hold both ends of the edge. An edge that leads out of a loop is passed
+    once per entry of it; one that leads back to the header whatever follows, once less than the header is executed.
+    `out` are the targets of `feasible_out`."""
+    source, target = problem.edges[edge]
+    outer = None if scope is None else problem.nest.loops[scope].blocks
+    times = 1
+    for index, loop in enumerate(problem.nest.loops):
+        inside = index != scope and (outer is None or loop.blocks < outer)
+        if inside and source in loop.blocks and target in loop.blocks:
+            last = _leads_out(target, loop.header, loop.blocks, out)
+            times *= problem.bounds[index] if last else max(1, problem.bounds[index] - 1)
+    return times
+
+
+def _leads_out(start: int, header: int, blocks: frozenset[int], out: Mapping[int, Sequence[int]]) -> bool:
+    """Whether a way from a block leaves the loop before it comes to the header."""
+    seen, waiting = {header, start}, [start] if start != header else []
+    while waiting:
+        for target in out.get(waiting.pop(), ()):
+            if target not in blocks:
+                return True
+            if target not in seen:
+                seen.add(target)
+                waiting.append(target)
+    return False
 
 
 def loop_bounds(problem: PathProblem, block: int) -> tuple[int, ...]:

@@ -5,6 +5,8 @@ Variables are the executions x_e of the feasible edges. Maximise sum c_e x_e sub
     in(b) - out(b) = 0          every block is left as often as it is entered (the entry block once more)
     back(l) <= (N - 1) entry(l) the header of loop l runs N times per entry
     back(l) + entry(l) <= T     its header runs T times in all, where a total is known
+    sum x_i / M_i <= 1          of edges that exclude each other one is passed, M_i times at most; of those that do so
+                                in an iteration of loop l, <= back(l) + entry(l). Written with the M_i multiplied out
     x_e <= L                    an edge is passed L times in all, where a limit is known (a bound of the variable)
 
 The same rows are solved by PuLP, checked by the certificate and printed for people.
@@ -15,9 +17,13 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
+from math import lcm
 
 from mauve.wcet.binary.graph import EXIT
-from mauve.wcet.ipet.problem import PathProblem, greatest_counts, header_edges
+from mauve.wcet.ipet.problem import PathProblem, feasible_out, greatest_counts, header_edges, repeats
+
+NEVER = "never_"
+"""How the names of rows of edges that exclude each other begin; the number of the group follows."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,14 +57,32 @@ def rows(problem: PathProblem) -> tuple[Row, ...]:
 
 
 def side_rows(problem: PathProblem) -> tuple[Row, ...]:
-    """The constraints that join distant parts of the graph: totals."""
+    """The constraints that join distant parts of the graph: totals, and groups of edges that exclude each other
+    (`never_3` for the group 3; those of which less than two edges are feasible have no row)."""
     found = []
     for index, total in sorted(problem.totals.items()):
         back, entries, starts = header_edges(problem, index)
         terms = dict.fromkeys((*back, *entries), 1)
         header = problem.nest.loops[index].header
         found.append(Row(f"total_{header}", _terms(terms), False, total - starts))
+    out = feasible_out(problem) if problem.exclusive else {}
+    for index, (edges, scope) in enumerate(problem.exclusive):
+        times = {edge: repeats(problem, edge, scope, out) for edge in edges if edge not in problem.infeasible}
+        if len(times) > 1:
+            found.append(_never(problem, f"{NEVER}{index}", times, scope))
     return tuple(found)
+
+
+def _never(problem: PathProblem, name: str, times: Mapping[int, int], scope: int | None) -> Row:
+    """The row of edges of which each is passed so many times and then none of the others."""
+    whole = lcm(*times.values())
+    terms = {edge: whole // most for edge, most in times.items()}
+    if scope is None:
+        return Row(name, _terms(terms), False, whole)
+    back, entries, starts = header_edges(problem, scope)
+    for edge in (*back, *entries):
+        terms[edge] = terms.get(edge, 0) - whole
+    return Row(name, _terms(terms), False, whole * starts)
 
 
 def limit_rows(problem: PathProblem) -> tuple[Row, ...]:

@@ -1,9 +1,9 @@
 """The bound of one function from the costs of its edges: which solver, and why its answer can be trusted.
 
-Without side constraints (totals of loops, limits of edges) the structural solver is exact. Where its worst path
-breaks some, each broken one gets a price (`prices`), and PuLP finds the prices to start from, and a worst path, where
-that is not enough. Whatever a float solver says only chooses multipliers: the bound is computed from them in exact
-arithmetic, and is never above the structural bound.
+Without side constraints (totals of loops, limits of edges, edges that exclude each other) the structural solver is
+exact. Where its worst path breaks some, each broken one gets a price (`prices`), and PuLP finds the prices to start
+from, and a worst path, where that is not enough. Whatever a float solver says only chooses multipliers: the bound is
+computed from them in exact arithmetic, and is never above the structural bound.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ def solve(problem: PathProblem, method: Method = Method.AUTO) -> PathSolution | 
         return structural
     if method is Method.ILP:
         return _by_ilp(problem, structural)
-    if not (problem.totals or problem.limits) or not violated(problem, structural.counts):
+    if not problem.has_sides or not violated(problem, structural.counts):
         return structural
     return _with_sides(shape, structural)
 
@@ -51,10 +51,10 @@ def solve(problem: PathProblem, method: Method = Method.AUTO) -> PathSolution | 
 def _with_sides(shape: Skeleton, structural: PathSolution) -> PathSolution:
     """The bound where side constraints cut off the structural solution."""
     problem = shape.problem
-    method = "structural with totals" if problem.totals and not problem.limits else "structural with limits"
+    method = "structural, with side constraints"
     full = _all_limits(problem)
     if full is not None:
-        return PathSolution(full[0], full[1], True, method)
+        return PathSolution(full[0], full[1], True, method, frozenset(f"limit_{edge}" for edge in problem.limits))
     candidates = (*side_rows(problem), *limit_rows(problem))
     priced = _few(shape, candidates, structural, method)
     if priced.attained:
@@ -63,14 +63,16 @@ def _with_sides(shape: Skeleton, structural: PathSolution) -> PathSolution:
     if ilp is None:
         return replace(priced, cycles=min(priced.cycles, structural.cycles))
     if ilp[0] == priced.cycles:
-        return PathSolution(priced.cycles, ilp[1], True, method)
+        return PathSolution(priced.cycles, ilp[1], True, method, priced.binding)
     proven, multipliers = _proven(problem, ilp[2])
+    paid = frozenset(row.name for row, y in zip(rows(problem), multipliers, strict=True) if y and not row.equal)
+    binding = paid & {row.name for row in candidates}
     proven = min(proven, priced.cycles)
     if ilp[0] < proven:
         again = bound_with_rows(shape, candidates, _prices(problem, candidates, multipliers))
         assert again is not None, "the structural solver found a path"
-        proven = min(proven, again.bound)
-    return PathSolution(proven, ilp[1], ilp[0] == proven, method)
+        proven, binding = min((proven, binding), (again.bound, again.paid), key=lambda found: found[0])
+    return PathSolution(proven, ilp[1], ilp[0] == proven, method, binding)
 
 
 def _all_limits(problem: PathProblem) -> tuple[int, tuple[int, ...]] | None:
@@ -91,6 +93,7 @@ def _few(shape: Skeleton, candidates: Sequence[Row], structural: PathSolution, m
     """
     problem = shape.problem
     bound, counts = structural.cycles, structural.counts
+    paid: frozenset[str] = frozenset()
     used: list[Row] = []
     while len(used) < FEW:
         names = {row.name for row in used}
@@ -100,25 +103,29 @@ def _few(shape: Skeleton, candidates: Sequence[Row], structural: PathSolution, m
         used += broken
         priced = bound_with_rows(shape, used)
         assert priced is not None, "the structural solver found a path"
-        bound = min(bound, priced.bound)
+        if priced.bound < bound:
+            bound, paid = priced.bound, priced.paid
         if priced.counts is None:
             break
         counts = priced.counts
         cost = sum(count * cost for count, cost in zip(counts, problem.costs, strict=True))
         if cost == bound and not violated(problem, counts):
-            return PathSolution(bound, counts, True, method)
-    return PathSolution(bound, structural.counts, False, method)
+            return PathSolution(bound, counts, True, method, paid)
+    return PathSolution(bound, structural.counts, False, method, paid)
 
 
 def _by_ilp(problem: PathProblem, structural: PathSolution) -> PathSolution:
     """The bound by PuLP alone, proven by its dual values and capped by the structural bound."""
     ilp = _ilp(problem)
     if ilp is None:
-        exact = not (problem.totals or problem.limits)
+        exact = not problem.has_sides
         return replace(structural, method="structural (no answer of the ILP solver)", attained=exact)
     value, counts, multipliers = ilp
-    bound = min(structural.cycles, _proven(problem, multipliers)[0])
-    return PathSolution(bound, counts, value == bound, "ilp, certified")
+    proven, used = _proven(problem, multipliers)
+    bound = min(structural.cycles, proven)
+    sides = {row.name for row in side_rows(problem)}
+    binding = frozenset(row.name for row, y in zip(rows(problem), used, strict=True) if y and row.name in sides)
+    return PathSolution(bound, counts, value == bound, "ilp, certified", binding)
 
 
 def _ilp(problem: PathProblem) -> tuple[int, tuple[int, ...], tuple[Fraction, ...]] | None:

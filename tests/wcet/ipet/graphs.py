@@ -139,8 +139,8 @@ class Structured:
 
 
 def longest_by_search(problem: PathProblem, limit: int = 200_000) -> int | None:
-    """The most expensive path by trying all of them, counting headers per entry, totals and limited edges; None beyond
-    the limit."""
+    """The most expensive path by trying all of them, counting headers per entry, totals and limited edges, and
+    keeping groups of edges apart; None beyond the limit."""
     out: dict[int, list[int]] = {}
     for index, (source, _) in enumerate(problem.edges):
         if index not in problem.infeasible:
@@ -148,10 +148,11 @@ def longest_by_search(problem: PathProblem, limit: int = 200_000) -> int | None:
     loops = problem.nest.loops
     starts = [int(loop.header == problem.entry) for loop in loops]
     limited = sorted(problem.limits)
-    stack = [(problem.entry, 0, tuple(starts), tuple(starts), (0,) * len(limited))]
+    free: tuple[int | None, ...] = (None,) * len(problem.exclusive)
+    stack = [(problem.entry, 0, tuple(starts), tuple(starts), (0,) * len(limited), free)]
     best, steps = -1, 0
     while stack:
-        block, cost, here, totals, passed = stack.pop()
+        block, cost, here, totals, passed, chosen = stack.pop()
         steps += 1
         if steps > limit:
             return None
@@ -169,10 +170,19 @@ def longest_by_search(problem: PathProblem, limit: int = 200_000) -> int | None:
             taken = tuple(n + (edge == limit) for n, limit in zip(passed, limited, strict=True))
             if any(n > problem.limits[edge] for n, edge in zip(taken, limited, strict=True)):
                 continue
+            picked = list(chosen)
+            for number, (group, _) in enumerate(problem.exclusive):
+                if edge in group:
+                    picked[number] = edge if chosen[number] in (None, edge) else -1
+            if -1 in picked:
+                continue
+            for number, (_, scope) in enumerate(problem.exclusive):
+                if scope is not None and target == loops[scope].header:
+                    picked[number] = None
             if target == EXIT:
                 best = max(best, cost + problem.costs[edge])
             else:
-                stack.append((target, cost + problem.costs[edge], tuple(now), tuple(sums), taken))
+                stack.append((target, cost + problem.costs[edge], tuple(now), tuple(sums), taken, tuple(picked)))
     return best if best >= 0 else None
 
 

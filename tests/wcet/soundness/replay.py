@@ -77,6 +77,8 @@ class _Plan:
     enters: dict[int, list[int]]
     repeats: dict[int, list[int]]
     ranges: dict[int, list[tuple[int, int]]]
+    groups: dict[int, list[int]]
+    """for an edge the groups of edges that exclude each other and hold it"""
 
 
 def united(flows: Sequence[FunctionFlow]) -> FunctionFlow:
@@ -97,7 +99,20 @@ def united(flows: Sequence[FunctionFlow]) -> FunctionFlow:
         ranges = [flow.accesses[key] for flow in flows]
         accesses[key] = AddressRange(min(r.low for r in ranges), max(r.high for r in ranges))
     infeasible = frozenset.intersection(*(flow.infeasible for flow in flows))
-    return replace(first, bounds=bounds, infeasible=infeasible, calls=calls, accesses=accesses)
+    limits = {
+        edge: max(flow.edge_limits[edge] for flow in flows)
+        for edge in set.intersection(*(set(flow.edge_limits) for flow in flows))
+    }
+    groups = tuple(group for group in first.exclusive if all(group in flow.exclusive for flow in flows))
+    return replace(
+        first,
+        bounds=bounds,
+        infeasible=infeasible,
+        calls=calls,
+        accesses=accesses,
+        edge_limits=limits,
+        exclusive=groups,
+    )
 
 
 def _plan(flow: FunctionFlow, bounds: Sequence[tuple[int, ...]]) -> _Plan:
@@ -121,7 +136,11 @@ def _plan(flow: FunctionFlow, bounds: Sequence[tuple[int, ...]]) -> _Plan:
         tuple((i.address, i.thumb and i.condition is not Condition.AL) for i in block.instructions)
         for block in flow.cfg.blocks
     ]
-    return _Plan(flow, own, addresses, steps, edges, enters, repeats, ranges)
+    groups = defaultdict(list)
+    for number, group in enumerate(flow.exclusive):
+        for index in group.edges:
+            groups[index].append(number)
+    return _Plan(flow, own, addresses, steps, edges, enters, repeats, ranges, groups)
 
 
 @dataclass(slots=True)
@@ -137,6 +156,10 @@ class _Frame:
     """the edges of a call that is under way, one of which will have been taken"""
     counts: dict[int, int] = field(default_factory=dict)
     totals: dict[int, int] = field(default_factory=lambda: defaultdict(int))
+    taken: dict[int, int] = field(default_factory=dict)
+    """of groups of edges that exclude each other, by number: the one taken in this execution or iteration"""
+    passed: dict[int, int] = field(default_factory=lambda: defaultdict(int))
+    """executions of edges that are limited"""
 
 
 @dataclass(slots=True)
@@ -189,6 +212,8 @@ class Replay:
             edge = self._edge(frame, fits, following)
             if edge is None:
                 return None
+            if len([e for e in fits if e not in frame.plan.flow.infeasible]) == 1:
+                self._check_edge(frame, edge)
             for board, own in enumerate(frame.plan.own):
                 cycles[board] += own[edge] if own else 0
             kind, target = frame.plan.flow.cfg.edges[edge].kind, frame.plan.flow.cfg.edges[edge].target
@@ -286,6 +311,21 @@ class Replay:
         self._tell(frame, f"{last:#x} -> {following:#x} {'is called infeasible' if fits else 'is no edge'}")
         return None
 
+    def _check_edge(self, frame: _Frame, edge: int) -> None:
+        """Whether an edge may be taken once more, and after those that were taken."""
+        flow = frame.plan.flow
+        frame.passed[edge] += 1
+        if frame.passed[edge] > flow.edge_limits.get(edge, frame.passed[edge]):
+            self._tell(frame, f"edge {edge} is taken {frame.passed[edge]} times, limit {flow.edge_limits[edge]}")
+        for number in frame.plan.groups.get(edge, ()):
+            before = frame.taken.setdefault(number, edge)
+            if before != edge:
+                group = flow.exclusive[number]
+                said = dict(zip(group.edges, group.conditions, strict=True))
+                places = [frame.plan.addresses[flow.cfg.edges[e].source][-1] for e in (before, edge)]
+                what = f"{places[0]:#x} ({said[before]}) and {places[1]:#x} ({said[edge]}), never together, were taken"
+                self._tell(frame, what)
+
     def _pass(self, frame: _Frame, edge: int, target: int) -> None:
         frame.block = target
         for number in frame.plan.enters.get(edge, ()):
@@ -294,6 +334,8 @@ class Replay:
             self._count(frame, number, frame.counts.get(number, 0) + 1)
 
     def _count(self, frame: _Frame, number: int, count: int) -> None:
+        for group in [g for g in frame.taken if frame.plan.flow.exclusive[g].loop == number]:
+            del frame.taken[group]
         frame.counts[number] = count
         frame.totals[number] += 1
         per_entry, total = self.seen.get((frame.names[0], number), (0, 0))
