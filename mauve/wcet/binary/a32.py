@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from mauve.wcet.binary import arithmetic
 from mauve.wcet.binary.coprocessor import decode_coprocessor
+from mauve.wcet.binary.media import Prefix, Shape
 from mauve.wcet.binary.microop import (
     LR,
     PC,
@@ -324,13 +325,17 @@ def _branch(word: int, address: int) -> Action:
 _EXTENDS = {2: Op.SXTB, 3: Op.SXTH, 6: Op.UXTB, 7: Op.UXTH}
 
 
+_PREFIXES = {1: Prefix.S, 2: Prefix.Q, 3: Prefix.SH, 5: Prefix.U, 6: Prefix.UQ, 7: Prefix.UH}
+_SHAPES = {0: Shape.ADD16, 1: Shape.ASX, 2: Shape.SAX, 3: Shape.SUB16, 4: Shape.ADD8, 7: Shape.SUB8}
+
+
 def _media(word: int) -> Action:
     op1, op2 = word >> 20 & 31, word >> 5 & 7
     rn, rd, rs, rm = word >> 16 & 15, word >> 12 & 15, word >> 8 & 15, word & 15
     match op1:
         case 1 | 2 | 3 | 5 | 6 | 7:
             require(rs == 15 and op2 in (0, 1, 2, 3, 4, 7), "is not an instruction of this architecture")
-            return opaque_result(Kind.SIMD, (rd,), (rn, rm))
+            return arithmetic.parallel(rd, rn, rm, _PREFIXES[op1], _SHAPES[op2])
         case _ if op1 >> 3 == 1:
             return _pack_extend_reverse(word, op1 & 7, op2)
         case _ if op1 >> 3 == 2:
@@ -353,7 +358,9 @@ def _pack_extend_reverse(word: int, op1: int, op2: int) -> Action:
     if op1 == 0 and op2 & 1 == 0:
         return arithmetic.pack_halves(rd, rn, rm, bool(op2 & 2), word >> 7 & 31)
     if op1 & 2 and op2 & 1 == 0:
-        return opaque_result(Kind.SATURATING, (rd,), (rm,))
+        signed = not op1 & 4
+        bits = (word >> 16 & 31) + signed
+        return arithmetic.saturate(rd, rm, bits, signed, word >> 7 & 31, bool(word & 64))
     if op2 == 3:
         accumulate = None if rn == PC else rn
         rotation = 8 * (word >> 10 & 3)
@@ -365,7 +372,7 @@ def _pack_extend_reverse(word: int, op1: int, op2: int) -> Action:
     full = word >> 8 & 15 == 15
     match op1, op2:
         case 0, 5 if full:
-            return opaque_result(Kind.SIMD, (rd,), (rn, rm))
+            return arithmetic.select(rd, rn, rm)
         case (2, 1) | (6, 1) if full:
             return opaque_result(Kind.SATURATING, (rd,), (rm,))
         case 3, 1 if full and rn == 15:

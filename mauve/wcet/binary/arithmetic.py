@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from mauve.wcet.binary.media import Parallel, Prefix, Refine, Saturate, Select, Shape
 from mauve.wcet.binary.microop import (
     Compute,
     FlagKind,
@@ -16,7 +17,7 @@ from mauve.wcet.binary.microop import (
     Shift,
     Traits,
 )
-from mauve.wcet.binary.semantics import MASK, T0, T1, T2, T3, T4, T5, Action, registers, require
+from mauve.wcet.binary.semantics import MASK, T0, T1, T2, T3, T4, T5, Action, opaque_result, registers, require
 
 
 def _below_pc(*numbers: int) -> None:
@@ -254,6 +255,28 @@ def pack_halves(rd: int, rn: int, rm: int, top_bottom: bool, amount: int) -> Act
         Compute(Op.OR, rd, T1, T2),
     )
     return Action(ops, Traits(Kind.SIMD, registers(rn, rm), (), (rd,), shifts=amount != 0 or top_bottom))
+
+
+def parallel(rd: int, rn: int, rm: int, prefix: Prefix, shape: Shape) -> Action:
+    """sadd16, uadd8 and the like."""
+    return _refined(rd, (rn, rm), Kind.SIMD, (Parallel(T0, prefix, shape, rn, rm),))
+
+
+def select(rd: int, rn: int, rm: int) -> Action:
+    """sel."""
+    return _refined(rd, (rn, rm), Kind.SIMD, (Select(T0, rn, rm),))
+
+
+def saturate(rd: int, rn: int, bits: int, signed: bool, shift: int, by_right: bool) -> Action:
+    """ssat and usat of a register that is shifted first; the flag Q is not modelled."""
+    shifted = Compute(Op.ASR if by_right else Op.SHL, T0, rn, Imm(shift or (32 if by_right else 0)))
+    return _refined(rd, (rn,), Kind.SATURATING, (shifted, Saturate(T0, T0, bits, signed)))
+
+
+def _refined(rd: int, reads: tuple[int, ...], kind: Kind, ops: tuple[MicroOp, ...]) -> Action:
+    """A result in T0 that not every analysis knows of."""
+    action = opaque_result(kind, (rd,), reads)
+    return action._replace(ops=(*ops, *action.ops, Refine(rd, T0)))
 
 
 def move_top(rd: int, value: int) -> Action:

@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 from enum import Enum
 
 from mauve.wcet.binary.floats import FloatMicroOp
+from mauve.wcet.binary.media import MediaMicroOp
 
 SP, LR, PC = 13, 14, 15
 FIRST_TEMPORARY = 16
@@ -169,8 +170,8 @@ class SetCarry:
     amount: Operand
 
 
-MicroOp = Compute | Load | Store | StoreUnknown | SetFlags | SetCarry | FloatMicroOp
-"""Those of the FPU (`floats`) may be left out by whoever knows nothing of its registers."""
+MicroOp = Compute | Load | Store | StoreUnknown | SetFlags | SetCarry | FloatMicroOp | MediaMicroOp
+"""Those of the FPU (`floats`) and of the DSP extension (`media`) may be left out by whoever does not know them."""
 
 
 # ---------------------------------------------------------------------------------------------------- control flow

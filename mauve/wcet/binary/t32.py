@@ -8,6 +8,7 @@ from __future__ import annotations
 from mauve.wcet.binary import arithmetic
 from mauve.wcet.binary.a32 import exclusive_load, exclusive_store, hint, write_status
 from mauve.wcet.binary.coprocessor import decode_coprocessor
+from mauve.wcet.binary.media import Prefix, Shape
 from mauve.wcet.binary.microop import (
     LR,
     PC,
@@ -149,9 +150,12 @@ def _plain_immediate(first: int, second: int, address: int) -> Action:
             if code == 12:
                 return arithmetic.move_top(rd, value)
             return Action((Compute(Op.MOV, rd, Imm(value)),), Traits(Kind.ALU, writes=(rd,), logical=True))
-        case 16 | 18 | 24 | 26:
+        case 16 | 18 | 24 | 26 as op:
             _plain(rd, rn)
-            return opaque_result(Kind.SATURATING, (rd,), (rn,))
+            if op & 2 and second & 0x70C0 == 0:  # ssat16, usat16
+                return opaque_result(Kind.SATURATING, (rd,), (rn,))
+            signed, shift = op < 24, second >> 10 & 0x1C | second >> 6 & 3
+            return arithmetic.saturate(rd, rn, (second & 31) + signed, signed, shift, bool(op & 2))
         case 20 | 28 as code:
             _plain(rd, rn)
             return arithmetic.bit_field_extract(rd, rn, lsb, width + 1, code == 20)
@@ -163,6 +167,8 @@ def _plain_immediate(first: int, second: int, address: int) -> Action:
 
 
 _SHIFT_EXTENDS = {0: Op.SXTH, 1: Op.UXTH, 4: Op.SXTB, 5: Op.UXTB}
+_PREFIXES = {0: Prefix.S, 1: Prefix.Q, 2: Prefix.SH, 4: Prefix.U, 5: Prefix.UQ, 6: Prefix.UH}
+_SHAPES = {0: Shape.ADD8, 1: Shape.ADD16, 2: Shape.ASX, 4: Shape.SUB8, 5: Shape.SUB16, 6: Shape.SAX}
 _REVERSALS = (Op.REV, Op.REV16, Op.RBIT, Op.REVSH)
 
 
@@ -184,7 +190,7 @@ def _register(first: int, second: int) -> Action:
     _plain(rn)
     if op1 >= 8 and op2 < 8:
         require(op1 in (8, 9, 10, 12, 13, 14) and op2 & 3 != 3, _UNDEFINED)
-        return opaque_result(Kind.SIMD, (rd,), (rn, rm))
+        return arithmetic.parallel(rd, rn, rm, _PREFIXES[op2], _SHAPES[op1 & 7])
     match op1, op2:
         case 8, 8 | 9 | 10 | 11:
             return opaque_result(Kind.SATURATING, (rd,), (rm, rn))
@@ -192,7 +198,7 @@ def _register(first: int, second: int) -> Action:
             require(rn == rm, "is an unpredictable form of a reversal")
             return arithmetic.unary(_REVERSALS[op2 & 3], rd, rm)
         case 10, 8:
-            return opaque_result(Kind.SIMD, (rd,), (rn, rm))
+            return arithmetic.select(rd, rn, rm)
         case 11, 8:
             require(rn == rm, "is an unpredictable form of clz")
             return arithmetic.unary(Op.CLZ, rd, rm, Kind.CLZ)

@@ -10,14 +10,13 @@ from __future__ import annotations
 from mauve.wcet.binary.floats import (
     FloatCompute,
     FloatConstant,
-    FloatMicroOp,
     FloatOp,
     FromFloat,
     FromInteger,
     ToFloat,
     ToInteger,
 )
-from mauve.wcet.binary.microop import FIRST_TEMPORARY
+from mauve.wcet.binary.microop import FIRST_TEMPORARY, MicroOp
 from mauve.wcet.flow.linear import FPU, Value, is_entry_symbol
 from mauve.wcet.flow.state import State
 
@@ -25,8 +24,8 @@ CALLER_SAVED = 16
 """s0 to s15 are the callee's to overwrite (AAPCS, VFP variant and base standard alike)."""
 
 
-def operate(state: State, op: FloatMicroOp) -> None:
-    """Change the state as a micro-operation of the FPU does."""
+def operate(state: State, op: MicroOp) -> None:
+    """Change the state as a micro-operation of the FPU does; the DSP extension's are left out."""
     match op:
         case ToFloat(dst, source):
             value = state.regs[source]

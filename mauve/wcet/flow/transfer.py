@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import cast
 
-from mauve.wcet.binary.floats import FloatMicroOp
 from mauve.wcet.binary.microop import (
     Compute,
     FlagKind,
@@ -66,7 +64,7 @@ def run(state: State, ops: tuple[MicroOp, ...], image: Image, note: Noted | None
             for offset in range(0, op.size, 4):
                 state.store(linear.add(address, offset), None, min(4, op.size - offset))
         else:
-            spills.operate(state, cast(FloatMicroOp, op))
+            spills.operate(state, op)
 
 
 def _operand(state: State, operand: Operand) -> Value:

@@ -1,5 +1,5 @@
-"""The FPU in runs: what a compiled block leaves in registers, flags and memory is what an emulated Cortex-M4F leaves
-there, or unknown."""
+"""The FPU and the DSP extension in runs: what a compiled block leaves in registers, flags and memory is what an
+emulated Cortex-M4F leaves there, or unknown."""
 
 from __future__ import annotations
 
@@ -9,6 +9,8 @@ from collections.abc import Iterator
 from typing import Any
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from mauve.wcet.binary.decode import Decoded, Decoder
 from mauve.wcet.binary.graph import EXIT, Block, Cfg, Edge, EdgeKind
@@ -16,7 +18,8 @@ from mauve.wcet.binary.loops import LoopNest
 from mauve.wcet.flow.order import arrange
 from mauve.wcet.flow.run.compile import Run, Sites, compile_function
 from mauve.wcet.flow.run.float_text import FLOAT, FLOAT_FLAGS, FLOAT_MODE, SLOTS
-from mauve.wcet.flow.run.words import UNKNOWN
+from mauve.wcet.flow.run.media import Partial, media_select, partial
+from mauve.wcet.flow.run.words import MASK, UNKNOWN, Undecided
 
 CODE, DATA, DATA_SIZE = 0x1000, 0x2000_0000, 0x900
 N_FLAGS = slice(16, 20)
@@ -53,6 +56,10 @@ MOVES = {
     "vldmdb, vstmdb of s": (0xED20_0A00, 0xFFA0_0FF0),
     "vldm, vstm of d": (0xEC80_0B00, 0xFFC0_0FF1),
 }
+PARALLEL = (0xFA80_F000, 0xFF80_F080)
+COMPARING = (0xFA80_F000, 0xFF80_F0B0)
+SELECT = (0xFAA0_F080, 0xFFF0_F0F0)
+SATURATE = (0xF300_0000, 0xFF50_8020)
 SPECIAL = (
     *(0, 1, 2, 3, 0x007F_FFFF, 0x0080_0000, 0x0080_0001, 0x00FF_FFFF, 0x0100_0000, 0x3F80_0000, 0x3F80_0001),
     *(0x3F7F_FFFF, 0x3F00_0000, 0x3FC0_0000, 0x4020_0000, 0x4B00_0000, 0x4B00_0001, 0x4B7F_FFFF, 0x4AFF_FFFF),
@@ -179,3 +186,49 @@ def test_an_instruction_leaves_what_a_core_leaves(name: str) -> None:
     assert executed > 20
     if name not in ("vcvtb, vcvtt", "vmrs, vmsr"):  # fixed point of 16 bits can have a fraction that is undefined
         assert known == executed or ("fixed" in name and known > executed // 3)
+
+
+def test_parts_of_words_are_added_selected_and_saturated_as_a_core_does() -> None:
+    """Pairs of a parallel addition and a `sel` of what it left in GE; ssat and usat."""
+    chance = random.Random(3)
+    rig = Rig()
+    edges = (0, 1, 0x7F, 0x80, 0x8000, 0x7FFF, 0xFFFF, 0x80FF_7F01, 0x7FFF_FFFF, 0x8000_0000, 0xFFFF_FFFF, 0x0100_FF00)
+    executed = known = 0
+    for first, second in zip(
+        words_of({"any": PARALLEL, "comparing": COMPARING, "saturate": SATURATE}, 80, chance),
+        words_of({"sel": SELECT}, 240, chance),
+        strict=True,
+    ):
+        made = rig.block(first, second)
+        if made is None:
+            continue
+        for _ in range(6):
+            core = [chance.choice((chance.choice(edges), chance.getrandbits(32))) for _ in range(15)]
+            left = rig.compare(*made, [0] * 32, core, [0, 1, 0, 1])
+            if left is not None:
+                executed += 1
+                known += all(type(word) is int for word in left)
+    assert executed > 300 and known > 150
+
+
+masks = st.sampled_from([0, 0xFF, 0xFFFF_0000, 0xFF00_FFFF, 0xF0, MASK])
+
+
+@given(st.tuples(masks, masks), *[st.integers(0, MASK)] * 2, st.integers(0, 15), st.booleans(), st.integers(0, MASK))
+def test_what_is_known_of_a_selection_is_so(
+    known: tuple[int, int], a: int, b: int, greater: int, sure: bool, other: int
+) -> None:
+    """Whatever the bits are that are not known."""
+    found = media_select(greater if sure else UNKNOWN, partial(known[0], a), partial(known[1], b))
+    exact = media_select(greater, a, b)
+    assert type(exact) is int
+    if type(found) is int:
+        assert found == exact
+    elif isinstance(found, Partial):
+        assert (exact ^ found.bits) & found.known == 0
+        assert type(masked := found & other) is not int or masked == exact & other
+        for number in (other, exact, 0):
+            try:
+                assert (found == number) == (exact == number)
+            except Undecided:
+                assert (number ^ found.bits) & found.known == 0

@@ -14,6 +14,7 @@ from typing import Any
 
 from mauve.wcet.binary.floats import FloatFlags
 from mauve.wcet.binary.graph import Cfg, EdgeKind
+from mauve.wcet.binary.media import Parallel, Refine, Saturate, Select
 from mauve.wcet.binary.microop import (
     CompareBranch,
     Compute,
@@ -36,8 +37,8 @@ from mauve.wcet.binary.microop import (
 )
 from mauve.wcet.binary.microop import Shift as ShiftKind
 from mauve.wcet.flow.order import Order
-from mauve.wcet.flow.run import floating, operations, words
-from mauve.wcet.flow.run.float_text import float_line, has_slot, written
+from mauve.wcet.flow.run import floating, media, operations, words
+from mauve.wcet.flow.run.float_text import float_line, has_slot, media_line, written
 from mauve.wcet.flow.run.memory import Lost, Memory
 
 N, Z, C, V, TARGET, DEPTH = 16, 17, 18, 19, 20, 21
@@ -111,6 +112,7 @@ def compile_function(order: Order, sites: Sites) -> Compiled:
         "Op": Op,
         **{name: getattr(operations, name) for name in dir(operations) if not name.startswith("_")},
         **{name: getattr(floating, name) for name in dir(floating) if name.startswith("float_")},
+        **{name: getattr(media, name) for name in dir(media) if name.startswith("media_")},
     }
     memory = sites.memory
     names |= {name: getattr(memory, name) for name in ("load", "load_byte", "load_half")}
@@ -376,6 +378,8 @@ class _Block:
                         self._settle()
                     terms = f"ShiftKind.{shift.name}, {self._use(value)}, {self._use(amount)}"
                     self.emit(f"r[18] = carry_out({terms}, r[18])")
+            case Parallel() | Select() | Saturate() | Refine():
+                self.emit(media_line(op, self._use, self._target))
             case _:
                 self.emit(float_line(op, self._use, self._target))
                 if isinstance(op, FloatFlags):

@@ -1,7 +1,7 @@
-"""Micro-operations of the FPU as lines of Python, for the functions that blocks become.
+"""Micro-operations of the FPU and of the DSP extension as lines of Python, for the functions that blocks become.
 
-The FPU has slots of its own among the machine's registers: N, Z, C and V of FPSCR, a mode (0 where FPSCR asks for the
-arithmetic of `floating`, else unknown), and s0 to s31. Its temporaries have numbers behind the slots.
+GE has a slot among the machine's registers, and the FPU has some: N, Z, C and V of FPSCR, a mode (0 where FPSCR asks
+for the arithmetic of `floating`, else unknown), and s0 to s31. Its temporaries have numbers behind the slots.
 """
 
 from __future__ import annotations
@@ -22,11 +22,12 @@ from mauve.wcet.binary.floats import (
     ToFloat,
     ToInteger,
 )
+from mauve.wcet.binary.media import MediaMicroOp, Parallel, Refine, Saturate, Select
 from mauve.wcet.binary.microop import Compute, Instruction, Load
 
-FLOAT_FLAGS, FLOAT_MODE, FLOAT = 24, 28, 29
+FLOAT_FLAGS, FLOAT_MODE, GREATER, FLOAT = 24, 28, 29, 30
 SLOTS = FLOAT + FLOATS
-"""Slots of the FPU, and how many there are in all."""
+"""Slots of the FPU, that of GE, and how many there are in all."""
 
 Name = Callable[[int], str]
 """The name of a register by its slot, noting that it is read or written."""
@@ -46,8 +47,10 @@ def written(instruction: Instruction) -> set[int]:
     slots: set[int] = set()
     for op in instruction.ops:
         match op:
-            case Compute(dst=dst) | Load(dst=dst) | FromFloat(dst=dst):
+            case Compute(dst=dst) | Load(dst=dst) | FromFloat(dst=dst) | Refine(dst=dst):
                 slots.add(dst)
+            case Parallel(prefix=prefix) if prefix.compares:
+                slots.add(GREATER)
             case FloatCompute(dst=dst) | FloatConstant(dst=dst) | ToFloat(dst=dst):
                 slots.add(FLOAT + dst)
             case FromInteger(dst=dst) | ToInteger(dst=dst):
@@ -55,8 +58,24 @@ def written(instruction: Instruction) -> set[int]:
             case FloatCompare():
                 slots |= set(range(FLOAT_FLAGS, FLOAT_MODE))
             case FloatMode():
-                slots |= set(range(FLOAT_FLAGS, FLOAT))
+                slots |= set(range(FLOAT_FLAGS, GREATER))
     return {slot for slot in slots if has_slot(slot)}
+
+
+def media_line(op: MediaMicroOp, use: Name, target: Name) -> str:
+    """The statement for a micro-operation of the DSP extension."""
+    match op:
+        case Parallel(dst, prefix, shape, a, b):
+            text = f"media_parallel({prefix.value!r}, {shape.value!r}, {use(a)}, {use(b)})"
+            if prefix.compares:
+                return f"{target(dst)}, {target(GREATER)} = {text}"
+            return f"{target(dst)} = {text}[0]"
+        case Select(dst, a, b):
+            return f"{target(dst)} = media_select({use(GREATER)}, {use(a)}, {use(b)})"
+        case Saturate(dst, a, bits, signed):
+            return f"{target(dst)} = media_saturate({use(a)}, {bits}, {signed})"
+        case Refine(dst, source):
+            return f"{target(dst)} = {use(source)}"
 
 
 def float_line(op: FloatMicroOp, use: Name, target: Name) -> str:
