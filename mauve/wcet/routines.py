@@ -10,7 +10,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping
 
-from mauve.records import record
+from mauve.records import changed, record
 from mauve.wcet.flow.result import ContextKey, ProgramFlow
 from mauve.wcet.result import Problem, ProblemKind
 
@@ -95,6 +95,9 @@ def told_as_one(problems: Iterable[Problem], program: ProgramFlow, lines: Callab
 def _one(name: str, address: int, path: tuple[str, ...], inside: list[Problem], source: str) -> Problem:
     known = routine(name)
     assert known is not None
+    for problem in inside:
+        if is_told(problem):
+            return changed(problem, source=source, call_path=path)
     kinds = [problem.kind for problem in inside]
     kind = ProblemKind.LOOP if ProblemKind.LOOP in kinds else kinds[0]
     places = sorted({problem.address for problem in inside if problem.address is not None})

@@ -33,7 +33,7 @@ from mauve.wcet.flow.values import LoopValues
 from mauve.wcet.result import Origin, Problem, ProblemKind
 
 if TYPE_CHECKING:
-    from mauve.wcet.flow.library import Recognised
+    from mauve.wcet.flow.library import KnownFunction, Recognised
     from mauve.wcet.flow.ranking import Ranking
 
 MOST_CONTEXTS = 24
@@ -106,6 +106,8 @@ class Functions:
         self.quick: dict[int, Analysed] = {}
         self.thorough: dict[int, Analysed] = {}
         self.contexts: dict[Name, Analysed] = {}
+        self.sorts: dict[int, KnownFunction | None] = {}
+        self.comparing: set[int] = set()
         self.cyclic: set[int] = set()
         self.excluded: dict[int, tuple[Exclusive, ...]] = {}
         self.curtailed = False
@@ -166,6 +168,9 @@ class Functions:
         attempt: Attempt | None = None,
     ) -> Analysed:
         cfg, nest = self.cfgs[name[0]], self.nest(name[0])
+        sorts = self._sorts(name[0])
+        if sorts is not None:
+            return self._sorted(sorts, name, state)
         bare = self._bare(name, cfg, nest)
         if nest.irreducible or not cfg.blocks:
             return bare
@@ -176,6 +181,39 @@ class Functions:
             message = f"the analysis of {cfg.name} takes more steps or time than allowed"
             problem = Problem(ProblemKind.LIMIT, message, cfg.address, cfg.name)
             return replace(bare, flow=replace(bare.flow, problems=(problem,)))
+
+    def _sorts(self, key: int) -> KnownFunction | None:
+        """What the table says of a function that sorts."""
+        if key not in self.sorts:
+            from mauve.wcet.flow.sorting import sorting
+
+            self.sorts[key] = sorting(self.cfgs[key])
+        return self.sorts[key]
+
+    def _sorted(self, known: KnownFunction, name: Name, state: State) -> Analysed:
+        """A sorting routine entered in a state."""
+        from mauve.wcet.flow.sorting import Arguments, comparisons, sorted_flow
+
+        key = name[0]
+        cfg, nest = self.cfgs[key], self.nest(key)
+        entered = self.given.assumed.entered(key, state)
+        if entered is None:
+            bare = self._bare(name, cfg, nest)
+            return replace(bare, flow=replace(bare.flow, problems=(_contradicted(cfg, None),)))
+        arguments = Arguments(*(entered.range_of(entered.regs[register]) for register in (1, 2, 3)))
+        compares = comparisons(arguments, lambda at: self.binary.read_code(at & ~1, 2) is not None)
+        if any(other in self.comparing for other in compares):
+            compares = ()
+        self.comparing |= set(compares)
+        for other in compares:
+            self.settle(other, self.limits.deadline)
+            self.default(other)
+        self.comparing -= set(compares)
+        found = sorted_flow(known, cfg, nest, arguments, compares)
+        self.stated[key] = self.given.bounds(cfg, nest)
+        stated = self.stated[key].bounds
+        flow = replace(found.flow, bounds=_smallest(stated, dict(found.flow.bounds))) if stated else found.flow
+        return Analysed(flow, found.called, name, targets={})
 
     def nest(self, key: int) -> LoopNest:
         """The loops of a function."""
@@ -359,7 +397,7 @@ class Functions:
         name = (key, effects.fingerprint(state))
         mine = family.asked.setdefault(key, {})
         known = mine.get(name)
-        if known is None and not self._promising(key, state, depth, family, caller):
+        if known is None and self._sorts(key) is None and not self._promising(key, state, depth, family, caller):
             return key
         if known is None:
             known = self.contexts.get(name)

@@ -11,12 +11,12 @@ number is a formula of that argument on entry: "r2 / 16 + 1", by the greatest va
 from __future__ import annotations
 
 import hashlib
-import re
 import tomllib
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cache
 from importlib import resources
+from math import prod
 from typing import Any
 
 from mauve.wcet.binary.graph import EXIT, Cfg, Edge, EdgeKind
@@ -29,37 +29,61 @@ FORMAT = 1
 
 LARGEST = 1 << 20
 """A formula of a greater argument is no bound: that is the range of a type, not what somebody knows."""
-FORMULA = re.compile(r"r([0-3]) / ([1-9][0-9]*) \+ ([0-9]+)")
+
+
+@dataclass(frozen=True, slots=True)
+class Formula:
+    """A sum of products of registers on entry, by number, each with a factor and rounded down after a division:
+    (registers, factor, divisor), no registers: the constant. It grows with each register, and is 1 at least."""
+
+    terms: tuple[tuple[tuple[int, ...], int, int], ...]
+
+    def most(self, greatest: Callable[[int], int] | None) -> int | None:
+        """Its greatest value where `greatest` tells how large a register can be; None: not known."""
+        registers = {register for term in self.terms for register in term[0]}
+        if registers and greatest is None:
+            return None
+        values = {register: greatest(register) for register in registers} if greatest is not None else {}
+        if any(value > LARGEST for value in values.values()):
+            return None
+        parts = (factor * prod(values[r] for r in product) // divisor for product, factor, divisor in self.terms)
+        return max(1, sum(parts))
+
+
+def read_formula(text: str | int) -> Formula:
+    """A formula as tables write it: `7`, or `r1 * r1 / 2 + 3 * r1 + 1`."""
+    terms = []
+    for term in str(text).split(" + "):
+        product, _, divisor = term.partition(" / ")
+        factors = product.split(" * ")
+        registers = tuple(int(factor[1:]) for factor in factors if factor.startswith("r"))
+        terms.append((registers, prod(int(f) for f in factors if not f.startswith("r")), int(divisor or "1")))
+    return Formula(tuple(terms))
 
 
 @dataclass(frozen=True, slots=True)
 class KnownLoop:
     """A loop of a known routine: `offset` of its header from the function's start, executions of the header per call:
-    `total`, and one more for every `step` that register `argument` holds on entry. `each`: those per entry of the loop,
-    where it is known to be entered more often than once with fewer each time."""
+    `total`. `each`: those per entry of the loop, where it is known to be entered more often than once with fewer each
+    time."""
 
     offset: int
-    total: int
+    total: Formula
     proof: str
-    argument: int | None = None
-    step: int = 1
-    each: int | None = None
-
-    def most(self, greatest: Callable[[int], int] | None) -> int | None:
-        """The greatest number of executions where `greatest` tells how large an argument can be; None: not known."""
-        if self.argument is None:
-            return self.total
-        value = LARGEST + 1 if greatest is None else greatest(self.argument)
-        return None if value > LARGEST else value // self.step + self.total
+    each: Formula | None = None
 
 
 @dataclass(frozen=True, slots=True)
 class KnownFunction:
-    """A helper: its names and where this code was found."""
+    """A helper: its names and where this code was found. A routine that `sorts` calls its argument r3 to compare r1
+    elements of r2 bytes; it has a frame of `stack` bytes and does not call itself for up to `most` elements."""
 
     names: tuple[str, ...]
     found: tuple[str, ...]
     loops: tuple[KnownLoop, ...]
+    sorts: bool = False
+    most: int = 0
+    stack: int = 0
 
 
 @dataclass(frozen=True, slots=True)
@@ -108,11 +132,21 @@ def library_bound(
     for part in recognise(cfg) if recognised is None else recognised:
         offset = cfg.blocks[loop.header].address - part.address
         for entry in part.known.loops if loop.header in part.blocks else ():
-            if entry.offset == offset and (most := entry.most(greatest if part.whole else None)) is not None:
-                each = most if entry.each is None else min(entry.each, most)
-                total = most if entry.each is not None and part.whole else None
-                return KnownBound(each, f"known helper {part.known.names[0]}", total)
+            if entry.offset == offset:
+                return known_bound(part.known, entry, greatest if part.whole else None, part.whole)
     return None
+
+
+def known_bound(
+    known: KnownFunction, loop: KnownLoop, greatest: Callable[[int], int] | None, whole: bool
+) -> KnownBound | None:
+    """The bound of a loop of the table; `whole`: its function is called once in an execution of the graph's."""
+    most = loop.total.most(greatest)
+    each = most if loop.each is None else loop.each.most(greatest)
+    if most is None or each is None:
+        return None
+    total = most if loop.each is not None and whole else None
+    return KnownBound(min(each, most), f"known helper {known.names[0]}", total)
 
 
 def fingerprint(cfg: Cfg) -> str:
@@ -189,18 +223,19 @@ def read_table(text: str) -> dict[str, KnownFunction]:
     proofs: dict[str, str] = data["proofs"]
     return {
         entry["fingerprint"]: KnownFunction(
-            tuple(entry["names"]), tuple(entry["found"]), tuple(_known_loop(loop, proofs) for loop in entry["loops"])
+            tuple(entry["names"]),
+            tuple(entry["found"]),
+            tuple(_known_loop(loop, proofs) for loop in entry["loops"]),
+            entry.get("sorts", False),
+            entry.get("most", 0),
+            entry.get("stack", 0),
         )
         for entry in data["function"]
     }
 
 
 def _known_loop(entry: Mapping[str, Any], proofs: Mapping[str, str]) -> KnownLoop:
-    """A loop of the table: its bound is a `total`, or a formula of an argument."""
-    proof = proofs[entry["proof"]]
-    if "bound" not in entry:
-        return KnownLoop(entry["offset"], entry["total"], proof, each=entry.get("each"))
-    formula = FORMULA.fullmatch(entry["bound"])
-    assert formula is not None, entry
-    argument, step, more = map(int, formula.groups())
-    return KnownLoop(entry["offset"], more, proof, argument, step)
+    """A loop of the table: its bound is a `total`, or a formula of arguments."""
+    each = read_formula(entry["each"]) if "each" in entry else None
+    total = read_formula(entry["bound"] if "bound" in entry else entry["total"])
+    return KnownLoop(entry["offset"], total, proofs[entry["proof"]], each)

@@ -249,7 +249,8 @@ class _Program:
 
     def flow(self, given: Given) -> ProgramFlow:
         """The result."""
-        stated = [self.functions.stated.get(key) for key in self.order.functions]
+        keys = dict.fromkeys((*self.order.functions, *(function.name[0] for function in self.used)))
+        stated = [self.functions.stated.get(key) for key in keys]
         problems = dict.fromkeys(problem for facts in stated if facts is not None for problem in facts.problems)
         matched = {fact for facts in stated if facts is not None for fact in facts.matched}
         notes = dict.fromkeys(note for function in self.used for note in function.notes)
