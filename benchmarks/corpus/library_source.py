@@ -12,6 +12,7 @@ HEAD = """/* entry: call_sin; inputs: da any, db any, fa any, fb any, ia any, ib
    text any, other any, table any, size 0..48 */
 #include <math.h>
 #include <stdint.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -45,6 +46,16 @@ OTHERS = {
     "qsort": "qsort(table, size / 4, sizeof table[0], compare);",
     "qsort_known": "qsort(table, 10, sizeof table[0], compare);",
     "bsearch": "ir = bsearch(&ia, table, size / 4, sizeof table[0], compare) != 0;",
+    "strcpy": "text[63] = 0; strcpy(other, text);",
+    "strncpy": "strncpy(other, text, size);",
+    "strncpy_known": "strncpy(other, text, 20);",
+    "strchr": "text[63] = 0; ir = strchr(text, ia) != 0;",
+    "memchr": "ir = memchr(text, ia, size) != 0;",
+    "memchr_known": "ir = memchr(text, ia, 40) != 0;",
+    "strtol": "text[63] = 0; ir = (int32_t)strtol(text, 0, 10);",
+    "atoi": "text[63] = 0; ir = atoi(text);",
+    "sprintf": "ir = sprintf(other, \"%d\", (int)ia);",
+    "malloc": "ir = malloc(size) != 0;",
     "bsearch_known": "ir = bsearch(&ia, table, 16, sizeof table[0], compare) != 0;",
 }
 TYPES = {"d": "double", "f": "float", "i": "int32_t", "l": "int64_t"}
@@ -69,8 +80,25 @@ HELPERS = {
     "l:d": "l2d ul2d",
     "l:f": "l2f ul2f",
 }
-NEEDS_FACT = {"memcpy", "memset", "memmove", "memcmp", "strlen", "strcmp", "qsort", "bsearch"}
-"""Entries that no analysis can bound by itself: a size or a string is unknown."""
+NEEDS_FACT = {
+    *("memcpy", "memset", "memmove", "memcmp", "memchr", "strlen", "strcmp", "strcpy", "strncpy", "strchr", "strtol"),
+    *("atoi", "sprintf", "malloc", "qsort", "bsearch"),
+}
+"""Entries that no analysis can bound by itself: a size, a string or the state of the heap is unknown."""
+SYSTEM = """
+int _write(int f, char *p, int n) { (void)f; (void)p; return n; }
+int _read(int f, char *p, int n) { (void)f; (void)p; (void)n; return 0; }
+int _close(int f) { (void)f; return -1; }
+int _fstat(int f, void *p) { (void)f; (void)p; return -1; }
+int _isatty(int f) { (void)f; return 1; }
+int _lseek(int f, int o, int w) { (void)f; (void)o; (void)w; return 0; }
+int _kill(int p, int s) { (void)p; (void)s; return -1; }
+int _getpid(void) { return 1; }
+void _exit(int s) { (void)s; for (;;) { } }
+static char heap[4096];
+void *_sbrk(int n) { static int used; char *at = heap + used; used += n; return used <= 4096 ? at : (void *)-1; }
+"""
+"""What newlib asks of the system, for the functions that print or allocate."""
 
 
 def bodies() -> dict[str, str]:
@@ -89,7 +117,7 @@ def bodies() -> dict[str, str]:
 
 def source(without: set[str]) -> str:
     """The program, without the functions that a toolchain lacks."""
-    lines = [HEAD]
+    lines = [HEAD, SYSTEM]
     for key, names in HELPERS.items():
         takes, _, gives = key.partition(":")
         arguments = ", ".join(TYPES[kind] for kind in takes)

@@ -270,6 +270,8 @@ def _extend_straight(code: Code, steps: list[_Step]) -> list[_Step]:
 
 def resolve(code: Code, instruction: Instruction) -> Resolution | None:
     """The targets of an indirect jump, call or table jump; None when they are not known."""
+    if isinstance(instruction.flow, IndirectCall) and _comes_in(code, instruction):
+        return None
     found: Resolution | None = None
     work: list[list[_Step]] = [_extend_straight(code, [(instruction.address, None)])]
     spent = 0
@@ -288,6 +290,39 @@ def resolve(code: Code, instruction: Instruction) -> Resolution | None:
         if found is None or len(found.targets) > TABLE_LIMIT:
             return None
     return found
+
+
+def _comes_in(code: Code, call: Instruction) -> bool:
+    """Whether the target of a call can be what a register held when the function was entered, by copies between
+    registers alone: then no path search will find it."""
+    assert isinstance(call.flow, IndirectCall)
+    if isinstance(call.flow.target, Imm):
+        return False
+    work = [(call.address, call.flow.target)]
+    seen = set(work)
+    while work:
+        address, register = work.pop()
+        if address == code.entry:
+            return True
+        for source, _ in code.before(address):
+            before = _copied(code.instructions[source], register)
+            if before is not None and (source, before) not in seen:
+                seen.add((source, before))
+                work.append((source, before))
+    return False
+
+
+def _copied(instruction: Instruction, register: int) -> int | None:
+    """The register whose value `register` has behind an instruction; None where it has another value."""
+    if isinstance(instruction.flow, Call | IndirectCall) and (register <= 3 or register >= 12):
+        return None
+    writes = [op for op in instruction.ops if getattr(op, "dst", None) == register]
+    if not writes:
+        return register
+    match instruction.ops:
+        case (Compute(op=Op.MOV, a=source),) if instruction.condition is Condition.AL and not isinstance(source, Imm):
+            return source
+    return None
 
 
 def _union(first: Resolution, second: Resolution) -> Resolution | None:
