@@ -24,6 +24,8 @@ from mauve.wcet.flow.rank.terms import (
 
 MOST_PIECES = 40
 """Intervals that a set of numbers is made of at most; greater sets are not kept."""
+MOST_FACTS = 64
+"""Facts that hold together at most; the first ones are forgotten."""
 DEEPEST = 16
 """Atoms of a term at most."""
 
@@ -234,9 +236,9 @@ def _ordered(is_signed: bool, a: Term, b: Term, allowed: Numbers) -> tuple[Order
 
 def _narrow(found: Facts, key: Key, allowed: Numbers) -> None:
     known = found.get(key)
-    if known is None and len(allowed) > MOST_PIECES:
-        return
-    found[key] = allowed if known is None else common(known, allowed)
+    both = allowed if known is None else common(known, allowed)
+    if len(both) <= MOST_PIECES:
+        found[key] = both
 
 
 def all_of(first: Facts, second: Facts) -> Facts:
@@ -246,6 +248,8 @@ def all_of(first: Facts, second: Facts) -> Facts:
     found = dict(first)
     for key, allowed in second.items():
         _narrow(found, key, allowed)
+    while len(found) > MOST_FACTS:
+        del found[next(iter(found))]
     return found
 
 

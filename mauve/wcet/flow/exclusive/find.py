@@ -15,7 +15,7 @@ from mauve.wcet.flow.locations import HALF, WORD, Base, CallEffects, Cell
 from mauve.wcet.flow.rank.terms import Apply, Atom, Fresh, Term, Var, signed
 from mauve.wcet.flow.result import Exclusive
 
-MOST_INSTRUCTIONS = 30_000
+MOST_INSTRUCTIONS = 12_000
 """A longer function is not looked at."""
 
 Symbols = Callable[[int], str]

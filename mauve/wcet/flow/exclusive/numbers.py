@@ -15,7 +15,7 @@ from dataclasses import dataclass, field
 from typing import Protocol
 
 from mauve.wcet.binary.microop import Condition
-from mauve.wcet.flow.exclusive.facts import Facts, Key, OrderKey, facts_of, one_of
+from mauve.wcet.flow.exclusive.facts import Facts, Key, OrderKey, facts_of
 from mauve.wcet.flow.locations import HALF, WORD, Base, Cell, Region
 from mauve.wcet.flow.rank.flags import UNKNOWN, Flags, facts, tells_all
 from mauve.wcet.flow.rank.merging import overlap, region_of
@@ -175,7 +175,7 @@ class Numbering:
     # ------------------------------------------------------------------------------------------------ control flow
     def join(self, states: list[State]) -> tuple[State, list[Facts]]:
         """The state behind several ways, in the present scope, and for each way what coming by it says of the values
-        that are new here."""
+        that are new here. The facts of several states are not put together."""
         if len(states) == 1:
             return states[0], [{}]
         said: list[list[Relation]] = [[] for _ in states]
@@ -189,7 +189,7 @@ class Numbering:
                     relations.append(Relation(Kind.EQ, new, term))
             return new
 
-        result = State({}, facts=one_of([state.facts for state in states]))
+        result = State({})
         for register in range(15):
             result.registers[register] = met([state.registers[register] for state in states])
         self._join_memory(states, result, met)
@@ -208,7 +208,9 @@ class Numbering:
             values = [self.read(state, cell) for state in states]
             known = [value for value in values if value is not None]
             if len(known) == len(states):
-                for other in [c for c in result.cells if overlap(c, region_of(cell))]:
+                # Cells of one state do not overlap.
+                others = () if cell in states[0].cells else tuple(result.cells)
+                for other in [c for c in others if overlap(c, region_of(cell))]:
                     del result.cells[other]
                     self.lose(result, region_of(other))
                 result.cells[cell] = met(known, cell.size)

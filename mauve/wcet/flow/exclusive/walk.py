@@ -152,7 +152,8 @@ def _follow(here: Walk) -> None:
                 here.own[edge] = all_of(here.own.get(edge, {}), facts_here)
                 here.known[edge] = all_of(here.known[edge], facts_here)
         if len(arrived) > 1:
-            state.facts = _one_of(here, arrived)
+            ways = zip(arrived, said, strict=True)
+            state.facts = one_of([all_of(before.facts, facts_here) for (_, before), facts_here in ways])
         if outside != scope:
             _enter(here, state, scope)
         for edge, after in _execute(here, block, state):
@@ -165,13 +166,6 @@ def _follow(here: Walk) -> None:
             if not numbering.around(scope, to):
                 after = numbering.leave(after, to)
             pending.setdefault(target, []).append((edge, after))
-
-
-def _one_of(here: Walk, arrived: list[tuple[int | None, State]]) -> Facts:
-    """What holds behind several edges, with what the values that are new there say."""
-    scope = here.numbering.scope
-    ways = [state.facts if edge is None else here.known[edge] for edge, state in arrived]
-    return one_of([here.numbering.lasting(way, scope) for way in ways])
 
 
 def _start(here: Walk) -> State:
