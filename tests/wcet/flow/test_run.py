@@ -11,12 +11,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from mauve.wcet.binary.elf import Binary, load
+from mauve.wcet.binary.elf import Binary, Segment, load
 from mauve.wcet.binary.microop import Shift
 from mauve.wcet.flow import program
 from mauve.wcet.flow.program import Programs
 from mauve.wcet.flow.result import FunctionFlow, ProgramFlow
 from mauve.wcet.flow.run import operations, words
+from mauve.wcet.flow.run.memory import Lost, Memory
 from mauve.wcet.flow.run.words import MASK, UNKNOWN, Low, Stack, Undecided, merge
 from mauve.wcet.hardware.board import Board
 from mauve.wcet.hardware.core import load_core
@@ -148,3 +149,22 @@ def test_flags_are_those_of_the_manual(a: int, b: int, carry: int) -> None:
     assert operations.flags_of_difference(a, b) == of(a + (b ^ MASK) + 1, s(a) - s(b))
     assert operations.flags_with_borrow(a, b, carry) == of(a + (b ^ MASK) + carry, s(a) + s(b ^ MASK) + carry)
     assert operations.carry_out(Shift.LSR, a, 3, 0) == a >> 2 & 1
+
+
+def test_a_word_between_two_segments_has_the_bytes_of_both() -> None:
+    """And a byte that no segment holds is unknown, not zero; what is written to the word stays."""
+    whole = load(WHOLE / "cortex-m3-O2.elf")
+    assert isinstance(whole, Binary)
+    first = Segment(0x100, 6, b"abcdef", False, True)
+    second = Segment(0x106, 4, b"gh", False, False)
+    third = Segment(0x202, 3, b"xyz", True, False)
+    memory = Memory(replace(whole, segments=(first, second, third)), True)
+    site = memory.site()
+    assert memory.load(0x104, site) == int.from_bytes(b"efgh", "little")
+    assert [memory.load_byte(address, site) for address in (0x108, 0x109)] == [0, 0]
+    assert memory.load_byte(0x10A, site) is UNKNOWN and memory.load(0x108, site) is UNKNOWN
+    assert memory.load_byte(0x202, site) == ord("x") and memory.load_byte(0x201, site) is UNKNOWN
+    memory.store_byte(0x202, 7, site)
+    assert memory.load_byte(0x202, site) == 7 and memory.load_byte(0x203, site) == ord("y")
+    with pytest.raises(Lost):
+        memory.store_byte(0x106, 7, site)

@@ -143,12 +143,15 @@ class Memory:
         """A word that was not written yet."""
         if key >= STACK >> 1:
             return UNKNOWN
-        number = bisect_right(self._starts, key) - 1
+        number = bisect_right(self._starts, key + 3) - 1
         if number < 0:
             return UNKNOWN
         segment = self._segments[number]
-        if key >= segment.end:
-            return UNKNOWN
+        if key < segment.address or key + 4 > segment.end:
+            parts = [self._initial_byte(key + i) for i in range(4)]
+            if all(part is UNKNOWN for part in parts):
+                return UNKNOWN
+            return parts if any(part is UNKNOWN for part in parts) else _word(parts)
         data = segment.data[key - segment.address : key - segment.address + 4]
         word = int.from_bytes(data.ljust(4, b"\0"), "little")
         if any(start < key + 4 and key < end for start, end in self._unknown):
@@ -158,16 +161,26 @@ class Memory:
             ]
         return word
 
+    def _initial_byte(self, address: int) -> Word:
+        """A byte that was not written yet, of a word that does not lie in one segment."""
+        number = bisect_right(self._starts, address) - 1
+        if number < 0 or address >= self._segments[number].end:
+            return UNKNOWN
+        if any(start <= address < end for start, end in self._unknown):
+            return UNKNOWN
+        segment = self._segments[number]
+        place = address - segment.address
+        return segment.data[place] if place < len(segment.data) else 0
+
     def _writable(self, key: int) -> bool:
         """Whether a word is the program's to write; not so a device. Raises Lost for code and constants."""
         if key >= STACK >> 1:
             return True
-        number = bisect_right(self._starts, key) - 1
-        if number < 0 or key >= self._segments[number].end:
-            return False
-        if not self._segments[number].writable:
+        number = bisect_right(self._starts, key + 3) - 1
+        found = [s for s in self._segments[max(0, number - 3) : number + 1] if s.end > key]
+        if not all(segment.writable for segment in found):
             raise Lost("code or a constant is written")
-        return True
+        return bool(found)
 
     def _byte(self, key: int) -> Word:
         word = self.cells.get(key & ~3)
