@@ -38,6 +38,11 @@ _STRING = (
 )
 _HEAP = "malloc free calloc realloc _malloc_r _free_r _calloc_r _realloc_r"
 _FORMAT = re.compile(r"_?v?(as|f|s|sn|asn|si|sni|i|fi)?(printf|scanf)(_r)?|puts|fputs|putchar|_puts_r|fwrite|fread")
+_CLOSED = re.compile(
+    r"_{1,2}s{0,2}v?f?i?w?(printf|scanf)_r|_printf_(float|i|common)|_strto(d|f|ld)_[rl]|_l?dtoa_r"
+    r"|_(puts|fputs|fwrite|fread|fflush)_r|__sfvwrite_r|__s(flush|wsetup|refill)_r"
+)
+"""Names that the C standard reserves for the library, of newlib's routines that format, scan and write streams."""
 _FOLDER = re.compile(r"(^|[/\\])(newlib|picolibc|libc|libm|libgcc|compiler[-_]rt|glibc|musl)[/\\]")
 _SORT = {"qsort": 2, "bsearch": 3}
 
@@ -56,6 +61,18 @@ def routine(name: str) -> Routine | None:
     if _FORMAT.fullmatch(name):
         return Routine("it runs as the format and the stream say, and calls through pointers")
     return None
+
+
+def is_closed(name: str) -> bool:
+    """Whether a function of this name is one of the library's own whose loops and calls through pointers go as formats,
+    numbers in text and streams say: following them takes long and bounds nothing."""
+    return _CLOSED.fullmatch(name) is not None
+
+
+def not_followed(name: str, address: int) -> Problem:
+    """The problem that a closed routine is."""
+    message = f"{HEAD} `{name}` has no bound: it runs as a format, a text or a stream says, and calls through pointers"
+    return Problem(ProblemKind.LOOP, message, address, name)
 
 
 def is_library(source: str) -> bool:
@@ -96,14 +113,15 @@ def _one(name: str, address: int, path: tuple[str, ...], inside: list[Problem], 
     known = routine(name)
     assert known is not None
     for problem in inside:
-        if is_told(problem):
+        if is_told(problem) and problem.function == name:
             return changed(problem, source=source, call_path=path)
     kinds = [problem.kind for problem in inside]
     kind = ProblemKind.LOOP if ProblemKind.LOOP in kinds else kinds[0]
     places = sorted({problem.address for problem in inside if problem.address is not None})
     suggested = fact(name)
+    listed = not any(is_told(problem) for problem in inside)
     holes = f"; `mauvec facts` lists the {len(places)} place{'s' if len(places) > 1 else ''} in it that wait for facts"
-    message = f"{HEAD} `{name}` has no bound: {known.reason}{'' if suggested else holes}"
+    message = f"{HEAD} `{name}` has no bound: {known.reason}{holes if listed and not suggested else ''}"
     return Problem(kind, message, address, name, source, path, (suggested,) if suggested else ())
 
 
@@ -121,4 +139,4 @@ def _call(program: ProgramFlow, path: tuple[str, ...], lines: Callable[[int], st
     return ""
 
 
-__all__ = ["Routine", "fact", "is_library", "is_told", "routine", "told_as_one"]
+__all__ = ["Routine", "fact", "is_closed", "is_library", "is_told", "not_followed", "routine", "told_as_one"]

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
+from mauve.records import changed
 from mauve.wcet.binary.graph import Block, Cfg, Edge, EdgeKind
 from mauve.wcet.binary.loops import LoopNest
 from mauve.wcet.binary.microop import Call, Condition, Instruction, Kind, Traits
 from mauve.wcet.flow.result import FunctionFlow, ProgramFlow
 from mauve.wcet.result import Problem, ProblemKind
-from mauve.wcet.routines import fact, is_library, is_told, routine, told_as_one
+from mauve.wcet.routines import fact, is_closed, is_library, is_told, not_followed, routine, told_as_one
 
 CALLER, COPY = (0x8000, ""), (0x9000, "")
 
@@ -47,3 +50,26 @@ def test_what_is_known_of_names() -> None:
     assert routine("_vfprintf_r") is not None and routine("malloc") is not None
     assert routine("filter") is None and routine("memcpy_dma") is None
     assert is_library("") and is_library("../../newlib/libc/string/memset.c:3") and not is_library("src/app.c:3")
+
+
+def test_what_formats_and_scans_is_not_followed_and_says_so_once() -> None:
+    for name in (
+        "_vfprintf_r",
+        "_svfprintf_r",
+        "_svfiprintf_r",
+        "__ssvfscanf_r",
+        "_strtod_l",
+        "_dtoa_r",
+        "_printf_float",
+    ):
+        assert is_closed(name), name
+    for name in ("printf", "malloc", "_malloc_r", "strtol", "_step", "print_r", "qsort"):
+        assert not is_closed(name), name
+    problem = changed(not_followed("_vfprintf_r", 0x9100), call_path=("step", "printf", "_vfprintf_r"))
+    flow = program()
+    callee = flow.functions[COPY]
+    printf = replace(callee, cfg=replace(callee.cfg, name="printf"))
+    flow = changed(flow, functions={**flow.functions, COPY: printf})
+    (told,) = told_as_one([problem], flow, lambda at: "robot.c:9" if at == 0x8000 else "")
+    assert told.source == "robot.c:9" and "`printf` has no bound: it runs as the format" in told.message
+    assert "mauvec facts" not in told.message

@@ -31,6 +31,7 @@ from mauve.wcet.flow.result import AddressRange, Exclusive, FunctionFlow, LoopBo
 from mauve.wcet.flow.state import ABSOLUTE, State, Symbols
 from mauve.wcet.flow.values import LoopValues
 from mauve.wcet.result import Origin, Problem, ProblemKind
+from mauve.wcet.routines import is_closed, not_followed
 
 if TYPE_CHECKING:
     from mauve.wcet.flow.library import KnownFunction, Recognised
@@ -131,8 +132,17 @@ class Functions:
         graphs = self.graphs.program(entry)
         for key, cfg in graphs.items():
             if key not in self.cfgs:
-                self.cfgs[key] = split_irreducible(cfg)
-        return {key: self.cfgs[key] for key in graphs}
+                self.cfgs[key] = without_calls(cfg) if self.is_closed(cfg) else split_irreducible(cfg)
+        reached, waiting = {entry: self.cfgs[entry]}, [entry]
+        while waiting:
+            fresh = [key for key in callgraph.callees(self.cfgs[waiting.pop()]) if key not in reached]
+            reached |= {key: self.cfgs[key] for key in fresh}
+            waiting += fresh
+        return reached
+
+    def is_closed(self, cfg: Cfg) -> bool:
+        """Whether a function is not followed: one of the library that nobody states facts about."""
+        return is_closed(cfg.name) and not self.given.inside_library
 
     def bound_anyhow(self, key: int, loop: int) -> int | None:
         """Executions of a loop's header per entry, whatever the function is called with."""
@@ -168,6 +178,9 @@ class Functions:
         attempt: Attempt | None = None,
     ) -> Analysed:
         cfg, nest = self.cfgs[name[0]], self.nest(name[0])
+        if self.is_closed(cfg):
+            bare = self._bare(name, cfg, nest)
+            return replace(bare, flow=replace(bare.flow, problems=(not_followed(cfg.name, cfg.address),)))
         sorts = self._sorts(name[0])
         if sorts is not None:
             return self._sorted(sorts, name, state)
@@ -445,6 +458,11 @@ class Functions:
     def _no_better(inside: Analysed | None, default: Analysed) -> bool:
         """Whether a context left open what was open without it."""
         return inside is None or inside.targets is None or inside.unbounded >= default.unbounded
+
+
+def without_calls(cfg: Cfg) -> Cfg:
+    """The graph with nothing said of whom it calls."""
+    return replace(cfg, edges=tuple(replace(edge, callees=()) for edge in cfg.edges), unresolved=())
 
 
 def _contradicted(cfg: Cfg, call: int | None) -> Problem:

@@ -45,7 +45,15 @@ class Given:
         self.lines = (lines or load_lines(binary)) if by_line else LineTable()
         self.loops = any(isinstance(fact, LoopFact) for fact in self.facts)
         self.assumed = resolve(binary, self.facts)
+        self.inside_library = any(self._is_inside_library(fact) for fact in self.facts)
         self.depths, self._nowhere = self._recursions()
+
+    def _is_inside_library(self, fact: Fact) -> bool:
+        """Whether a fact about loops or branches lies in a function whose name is reserved for the library."""
+        if not isinstance(fact, LoopFact | ControlFact | RecursionFact):
+            return False
+        found = (self.binary.function_at(address & ~1) for address in self._addresses(fact.place))
+        return any(symbol is not None and symbol.name.startswith("_") for symbol in found)
 
     def control(self) -> Control:
         """The control facts by address. A function that returns after all is what graphs assume anyway."""
