@@ -69,6 +69,7 @@ def missing_facts(
 def _collect(program: ProgramFlow, binary: Binary, lines: LineTable) -> tuple[MissingIn, ...]:
     from mauve.wcet.assemble import call_paths
     from mauve.wcet.ipet.bottom_up import unresolved
+    from mauve.wcet.routines import is_told
 
     paths = call_paths(program)
     found: dict[int, MissingIn] = {}
@@ -76,7 +77,8 @@ def _collect(program: ProgramFlow, binary: Binary, lines: LineTable) -> tuple[Mi
     for key in reached:
         flow = program.functions[key]
         loops = _loops(flow, None, binary, lines)
-        others = tuple(p for p in (*flow.problems, *unresolved(flow)) if p.kind is not ProblemKind.LOOP)
+        holes = (*flow.problems, *unresolved(flow))
+        others = tuple(problem for problem in holes if problem.kind is not ProblemKind.LOOP or is_told(problem))
         asked = _asked(flow, lines) if loops else ()
         if asked:
             loops, others = (), (*asked, *others)

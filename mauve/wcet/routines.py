@@ -53,7 +53,7 @@ def routine(name: str) -> Routine | None:
         if name in names.split():
             return Routine(f"it takes as many bytes as its argument {slot} says, which is not known", slot)
     if name in _SORT:
-        return Routine(f"it looks at as many elements as its argument {_SORT[name]} says, and calls back", 0)
+        return Routine(f"it looks at as many elements as its argument {_SORT[name]} says, and calls back", _SORT[name])
     if name in _STRING.split():
         return Routine("it goes on to the end of a string, whose length is not known")
     if name in _HEAP.split():
