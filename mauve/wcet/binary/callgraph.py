@@ -16,6 +16,9 @@ from mauve.wcet.binary.subroutine import put_into_callers
 PROGRAM_LIMIT = 2_000_000
 """How many instructions of a whole program are looked at before giving up."""
 
+CLOSED_LIMIT = 16
+"""How many instructions of a closed function are looked at."""
+
 
 def callees(cfg: Cfg) -> tuple[int, ...]:
     """The keys of the functions that a function calls or ends in, each once, in order of address of the call."""
@@ -83,8 +86,11 @@ class Graphs:
             key = work.pop()
             if key in cfgs or key in self._settled:
                 continue
-            limit = max(1, min(INSTRUCTION_LIMIT, self._limit - spent))
+            closed = key in control.closed
+            limit = CLOSED_LIMIT if closed else max(1, min(INSTRUCTION_LIMIT, self._limit - spent))
             cfg = build_cfg(self._binary, key, control, self._decoder, limit)
+            if closed:
+                cfg = replace(cfg, edges=tuple(replace(edge, callees=()) for edge in cfg.edges))
             spent += _size(cfg)
             cfgs[key] = cfg
             work += callees(cfg)

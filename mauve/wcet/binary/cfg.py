@@ -40,11 +40,13 @@ class Control:
     """What is known of control flow besides the code. Addresses are of instructions, keys are entry addresses with
     bit 0 set for Thumb. `targets` are those of indirect jumps and calls; calls at `no_call` are skipped; functions in
     `no_return` never return; supervisor calls at `supervisor` are accepted as taking no time of their own; jumps to
-    functions in `inline` are followed instead of being tail calls."""
+    functions in `inline` are followed instead of being tail calls; of those in `closed` only the beginning is looked
+    at."""
 
     targets: Mapping[int, tuple[int, ...]] = field(default_factory=dict)
     no_call: frozenset[int] = frozenset()
     no_return: frozenset[int] = frozenset()
+    closed: frozenset[int] = frozenset()
     supervisor: frozenset[int] = frozenset()
     inline: frozenset[int] = frozenset()
 

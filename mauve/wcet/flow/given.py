@@ -25,6 +25,7 @@ from mauve.wcet.flow.facts import (
 from mauve.wcet.flow.matching import Matches, describe, match_facts, unmatched
 from mauve.wcet.flow.result import LoopBound
 from mauve.wcet.result import Origin, Problem, ProblemKind
+from mauve.wcet.routines import is_closed
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,7 +74,13 @@ class Given:
                         no_return.add(self._key(address))
                     case ControlKind.RETURN:
                         pass
-        return Control(targets=targets, no_call=frozenset(no_call), no_return=frozenset(no_return))
+        closed = () if self.inside_library else (s.key for s in self.binary.functions if is_closed(s.name))
+        return Control(
+            targets=targets,
+            no_call=frozenset(no_call),
+            no_return=frozenset(no_return),
+            closed=frozenset(closed),
+        )
 
     def bounds(self, cfg: Cfg, nest: LoopNest) -> Stated:
         """What facts state for the loops of a function."""
