@@ -99,10 +99,10 @@ class Policy:
 
 
 class _Exhausted(Exception):
-    """A stepped loop has used up its share of the budget."""
+    """A stepped loop has used up its share of the budget, or (`hopeless`) would do so whatever its share."""
 
-    def __init__(self, region: int) -> None:
-        self.region = region
+    def __init__(self, region: int, hopeless: bool = False) -> None:
+        self.region, self.hopeless = region, hopeless
 
 
 class GaveUp(Exception):
@@ -113,7 +113,7 @@ class GaveUp(Exception):
 
 
 class Execution:
-    """One abstract execution of one function."""
+    """One abstract execution of one function. `cut_short` are loops that more steps might bring further."""
 
     def __init__(
         self,
@@ -130,6 +130,7 @@ class Execution:
         self.deadline = deadline
         self.summary_steps = 0
         self.stepped = set(policy.stepped)
+        self.cut_short: set[int] = set()
         self.steps = 0
         self.record: Record | None = None
         self.summaries = 0
@@ -189,6 +190,8 @@ class Execution:
                 if exhausted.region != loop:
                     raise
                 self.stepped.discard(loop)
+                if not exhausted.hopeless or self.summaries:
+                    self.cut_short.add(loop)
                 if self.record is not None:
                     self.record.totals[loop] = None
         return self._summarise(loop, joining.join_all(states))
@@ -211,13 +214,13 @@ class Execution:
                     checkpoint = [state.copy() for state in states]
                     now = _Exits(self._exits(loop))
                 elif checkpoint is not None and _stands_still(checkpoint, states):
-                    raise _Exhausted(loop)
+                    raise _Exhausted(loop, True)
                 for state in states:
                     state.prune()
                 self.watching = now
                 left, states = self._region(loop, states)
                 if now is not None and now.hopeless(before):
-                    raise _Exhausted(loop)
+                    raise _Exhausted(loop, True)
                 before = now or before
                 for index, after in left.items():
                     leaving[index] = joining.restrict(leaving.get(index, []) + after, self.policy.width)
@@ -260,6 +263,7 @@ class Execution:
         depth, deepest = self.order.nest.loops[loop].depth, self.deepest
         if deepest is not None and depth > deepest:
             return self._rough(loop, entry)
+        entry.trim()
         record, stays = self.record, self.stays
         self.record = None
         self.summaries += 1
@@ -634,10 +638,11 @@ class _Exits:
             values = frozenset(state.range_of(state.regs[last.flow.register]) for state in states)
             self.known[block] = None if any(known.n == 0 or 0 not in known for known in values) else values
             return
+        # Where a conditional instruction with the same condition stands before it, each state alone is decided.
+        possible = any(flags.may_hold(state.flags, last.condition) for state in states)
+        certain = all(flags.must_hold(state.flags, last.condition) for state in states)
         found: set[Range] = set()
         for state in states:
-            possible = flags.may_hold(state.flags, last.condition)
-            certain = flags.must_hold(state.flags, last.condition)
             if certain or not possible or state.origin is None:
                 self.known[block] = None
                 return

@@ -38,11 +38,14 @@ class Limits:
 
 @dataclass(slots=True)
 class Attempt:
-    """How far an analysis came: the passes made, the bounds proven elsewhere, all bounds that later passes may use."""
+    """How far an analysis came: the passes made, the bounds proven elsewhere, all bounds that later passes may use, the
+    loops that need not be stepped again, and whether a pass with more steps would find out the same (`settled`)."""
 
     records: list[Record]
     bounds: dict[int, LoopBound]
     known: dict[int, int]
+    hopeless: frozenset[int] = frozenset()
+    settled: bool = False
 
 
 @dataclass(slots=True)
@@ -95,7 +98,12 @@ def analyse_function(
 
     def execute(stepped: frozenset[int], width: int = 1, steps: int = limits.steps) -> Record:
         policy = Policy(stepped, width, steps, most=limits.most)
-        return Execution(order, image, calls, policy, marks, known, limits.deadline).execute(entry.copy())
+        execution = Execution(order, image, calls, policy, marks, known, limits.deadline)
+        record = execution.execute(entry.copy())
+        if width == 1:
+            attempt.hopeless |= stepped - execution.stepped - execution.cut_short
+            attempt.settled = bool(stepped) and not execution.cut_short
+        return record
 
     loops = frozenset(range(len(order.nest.loops)))
     nested = any(loop.parent is not None for loop in order.nest.loops)
@@ -108,10 +116,12 @@ def analyse_function(
         for loop in _missing(records, known) if first else ():
             found = ranking(order.nest.loops[loop], records[0]) if ranking is not None else None
             if found is not None:
+                attempt.settled = False
                 known[loop] = found[0]
                 bounds[loop] = LoopBound(found[0], Origin.ANALYSIS, found[1])
-        if (thorough and _missing(records, known)) or (first and nested and _few(order, records, known, limits)):
-            records.append(execute(loops))
+        more = thorough and _missing(records, known)
+        if not attempt.settled and (more or (first and nested and _few(order, records, known, limits))):
+            records.append(execute(loops - attempt.hopeless))
         if thorough and _missing(records, known):
             records.append(execute(_relatives(order, _missing(records, known)), WIDTH))
     except GaveUp as reason:

@@ -27,6 +27,7 @@ from mauve.wcet.flow.given import Given, Stated
 from mauve.wcet.flow.image import Image
 from mauve.wcet.flow.locations import CallEffects, Helper
 from mauve.wcet.flow.order import Order, arrange
+from mauve.wcet.flow.ranked import ContextRanking, Ranked
 from mauve.wcet.flow.result import AddressRange, Exclusive, FunctionFlow, LoopBound
 from mauve.wcet.flow.state import ABSOLUTE, State, Symbols
 from mauve.wcet.flow.values import LoopValues
@@ -35,7 +36,6 @@ from mauve.wcet.routines import is_closed, not_followed
 
 if TYPE_CHECKING:
     from mauve.wcet.flow.library import KnownFunction, Recognised
-    from mauve.wcet.flow.ranking import Ranking
 
 MOST_CONTEXTS = 24
 """How many contexts of one function are asked for in the analysis of one other."""
@@ -103,6 +103,7 @@ class Functions:
         self.orders: dict[int, Order] = {}
         self.stated: dict[int, Stated] = {}
         self.routines: dict[int, tuple[Recognised, ...]] = {}
+        self.ranked = Ranked()
         self.summaries: dict[int, Summary] = {}
         self.quick: dict[int, Analysed] = {}
         self.thorough: dict[int, Analysed] = {}
@@ -263,16 +264,14 @@ class Functions:
         helpers = {k: helper for k in callgraph.callees(cfg) if (helper := self._helper(k)) is not None}
         calls = ProgramCalls(self.summaries, wanted, helpers)
 
-        rankings: dict[int, Ranking] = {}
+        rankings: dict[int, ContextRanking] = {}
 
         def ranking(loop: Loop, record: Record) -> tuple[int, str] | None:
-            from mauve.wcet.flow.ranking import Ranking
-
             values = LoopValues(record, loop.id, self.image)
             if id(record) not in rankings:
-                rankings[id(record)] = Ranking(cfg, nest, values, self._effects(cfg, helpers))
-            found = rankings[id(record)].bound(loop, values)
-            return None if found is None else (found.bound, found.method)
+                what_calls_do = self._effects(cfg, helpers)
+                rankings[id(record)] = ContextRanking(self.ranked, cfg, nest, values, what_calls_do)
+            return rankings[id(record)].bound(loop, values)
 
         stated = _smallest(self.stated[key].bounds, self._library(key, narrowed))
         order = self.orders[key]

@@ -31,7 +31,7 @@ from mauve.wcet.flow.rank.iterate import iterate
 from mauve.wcet.flow.rank.paths import Program, State, Summaries, entry_states, exit_states, prepare, summarise_loop
 from mauve.wcet.flow.rank.problem import MOST, Problem, pose
 from mauve.wcet.flow.rank.shapes import bits_cleared, remainders, wide_shift
-from mauve.wcet.flow.rank.terms import Atom, Var, meet, static_range
+from mauve.wcet.flow.rank.terms import Atom, Ranges, Var, meet, static_range
 
 __all__ = [
     "ANY",
@@ -119,15 +119,29 @@ def bound_by_ranking(
     return Ranking(cfg, nest, values, effects).bound(loop, values)
 
 
+def _remembered(ranges: Ranges) -> Ranges:
+    """The same ranges, each found out once."""
+    known: dict[Atom, Interval] = {}
+
+    def of_atom(of: Atom) -> Interval:
+        found = known.get(of)
+        if found is None:
+            found = known[of] = ranges(of)
+        return found
+
+    return of_atom
+
+
 def _best_argument(
     program: Program, values: EntryValues, passes: list[State], entries: list[State], loop: Loop
 ) -> RankBound | None:
-    def on_entry(of: Atom) -> Interval:
+    def at_entry(of: Atom) -> Interval:
         return meet(static_range(of), values.on_entry(of.location)) if isinstance(of, Var) else static_range(of)
 
-    def invariant(of: Atom) -> Interval:
+    def always(of: Atom) -> Interval:
         return meet(static_range(of), values.invariant(of.location)) if isinstance(of, Var) else static_range(of)
 
+    on_entry, invariant = _remembered(at_entry), _remembered(always)
     untouched = [state.copy() for state in passes]
     problem = pose(program, passes, entries, invariant, on_entry)
     if not problem.passes:
@@ -138,7 +152,7 @@ def _best_argument(
         known = found.get(of.location) if isinstance(of, Var) else None
         return invariant(of) if known is None else meet(invariant(of), known)
 
-    problem = pose(program, problem.passes, entries, refined, on_entry)
+    problem = pose(program, problem.passes, entries, _remembered(refined), on_entry)
     best: RankBound | None = None
     for method, argument in _ARGUMENTS:
         made = argument(problem) if problem.passes else 0

@@ -12,6 +12,7 @@ addresses. Assumed: the frame is not reached through pointers that the function 
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from itertools import count
 
 from mauve.wcet.binary.microop import Condition, FlagKind
@@ -582,7 +583,14 @@ class State:
 
     # ------------------------------------------------------------------------------------------------ housekeeping
     def prune(self) -> None:
-        """Drop the ranges of symbols that nothing holds any more, and the regions that nothing points to any more."""
+        """Drop what is known of symbols that nothing holds any more, the regions that nothing points to any more, and
+        what symbols were replaced by."""
+        self.trim(frozenset())
+        self.pins = {}
+
+    def trim(self, held: Collection[int] | None = None) -> None:
+        """Drop what is known of symbols that nothing holds any more, and the regions that nothing points to any more.
+        `held` are symbols that are held elsewhere; None: those that others are anchored to."""
         live: set[int] = {ABSOLUTE}
         for value in self.regs[:16]:
             if type(value) is not int:
@@ -600,10 +608,26 @@ class State:
                         live.update(value[1::2])  # type: ignore[index]
         for region in waiting:
             del self.memory[region]
+        if held is None:
+            held = _anchored(self.anchors, live)
+        live.update(held)
         self.ranges = {symbol: known for symbol, known in self.ranges.items() if symbol in live}
         self.anchors = {symbol: anchor for symbol, anchor in self.anchors.items() if symbol in live}
-        self.pins = {}
         self.taints = {symbol: mask for symbol, mask in self.taints.items() if symbol in live}
+
+
+def _anchored(table: anchors.Anchors, live: set[int]) -> set[int]:
+    """The symbols that live ones are anchored to, directly or not."""
+    found: set[int] = set()
+    waiting = [symbol for symbol in live if symbol in table]
+    while waiting:
+        for base, _ in table[waiting.pop()]:
+            for symbol in linear.symbols(base):
+                if symbol not in found and symbol not in live:
+                    found.add(symbol)
+                    if symbol in table:
+                        waiting.append(symbol)
+    return found
 
 
 def _is_memory(region: int, offset: int, image: Image) -> bool:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from mauve.wcet.flow.locations import WORD, Interval
 from mauve.wcet.flow.rank.measures import Contradiction, Knowledge, hull, intersection, learn, pull_halves
@@ -35,10 +35,22 @@ class _Distance:
     x: Var
     y: Var
     name: Fresh
+    term: Term
+    """x - y"""
+    whole: Term
+    """x as y and the distance"""
+    rewritten: dict[Term, Term | None] = field(default_factory=dict, compare=False)
+    """terms in which x was written so"""
 
-    @property
-    def term(self) -> Term:
-        return subtract(atom(self.x), atom(self.y))
+    def rewrite(self, term: Term) -> Term | None:
+        """The term with x written as y and the distance; None where it grows too large."""
+        if term not in self.rewritten:
+            self.rewritten[term] = substitute(term, lambda of: self.whole if of == self.x else None)
+        return self.rewritten[term]
+
+
+def _distance(x: Var, y: Var, name: Fresh) -> _Distance:
+    return _Distance(x, y, name, subtract(atom(x), atom(y)), add(atom(y), atom(name)))
 
 
 def iterate(problem: Problem) -> int | None:
@@ -119,7 +131,7 @@ def _distances(problem: Problem) -> list[_Distance]:
             if len(parts) == 2 and all(isinstance(of, Var) and factor in (1, WORD - 1) for of, factor in parts):
                 x, y = sorted((of for of, _ in parts if isinstance(of, Var)), key=str)
                 found.update({(x, y): None, (y, x): None})
-    return [_Distance(x, y, Fresh(-1 - k)) for k, (x, y) in enumerate(found)] if len(found) <= 6 else []
+    return [_distance(x, y, Fresh(-1 - k)) for k, (x, y) in enumerate(found)] if len(found) <= 6 else []
 
 
 def _step(
@@ -173,8 +185,7 @@ def _value(term: Term, knowledge: Knowledge, ranges: Ranges, distances: list[_Di
     best = knowledge.of_term(plain)
     renamed = Knowledge(ranges)
     for distance in distances:
-        whole = add(atom(distance.y), atom(distance.name))
-        there = substitute(plain, lambda of, d=distance, w=whole: w if of == d.x else None)  # type: ignore[misc]
+        there = distance.rewrite(plain)
         if there is not None and there != plain:
             both = intersection(best, renamed.of_term(pull_halves(there, ranges)))
             if both is None:

@@ -57,7 +57,7 @@ class Knowledge:
         known = self.terms.get(term.parts)
         if known is not None:
             best = meet(best, shift(known, term.constant))
-        opposite = self.terms.get(scale(term, -1).parts)
+        opposite = self.terms.get(scale(term, -1).parts) if self.terms else None
         if opposite is not None:
             best = meet(best, interval(term.constant - opposite.high, term.constant - opposite.low))
         return best

@@ -8,7 +8,7 @@ values; terms that differ may have equal values all the same. Relations only eve
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import Enum
 
 from mauve.wcet.binary.microop import Op
@@ -23,6 +23,13 @@ class Var:
     """The value of a location at the point where the summary starts."""
 
     location: Location
+    _hash: int = field(init=False, repr=False, compare=False)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "_hash", hash(self.location))
+
+    def __hash__(self) -> int:
+        return self._hash
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,6 +45,9 @@ class Fresh:
     low: int = 0
     high: int = WORD - 1
 
+    def __hash__(self) -> int:
+        return hash(self.id)
+
 
 @dataclass(frozen=True, slots=True)
 class Apply:
@@ -45,6 +55,13 @@ class Apply:
 
     op: Op
     args: tuple[Term, ...]
+    _hash: int = field(init=False, repr=False, compare=False)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "_hash", hash((self.op, self.args)))
+
+    def __hash__(self) -> int:
+        return self._hash
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,6 +81,9 @@ class Term:
     constant: int
     parts: frozenset[tuple[Atom, int]] = frozenset()
     size: int = 0
+
+    def __hash__(self) -> int:
+        return hash((self.constant, self.parts))
 
     def __str__(self) -> str:
         return show(self)
