@@ -43,6 +43,8 @@ MOST_VAIN = 3
 """After so many contexts of a function that bounded no further loop no more are tried."""
 MOST_DEPTH = 12
 """How many calls deep contexts are followed."""
+DEEP = 2
+"""From so many calls on, a context that leaves open all that was open without it is followed no further."""
 MOST_CALLS = 48
 """How many contexts of a function that calls itself, directly or not, are followed into each other."""
 POINTERS = (UnresolvedKind.BRANCH, UnresolvedKind.CALL)
@@ -393,6 +395,10 @@ class Functions:
         self, cfg: Cfg, result: FunctionResult, depth: int, family: _Family, entered: State
     ) -> dict[int, tuple[int | Analysed, ...]]:
         found, caller = {}, (cfg.key, entered)
+        quick = self.quick.get(cfg.key)
+        if depth >= DEEP and quick is not None and quick.unbounded and result.unbounded >= quick.unbounded:
+            # No bound comes of this: contexts inside it would be asked for again for every function on the way here.
+            return {index: edge.callees for index, edge in enumerate(cfg.edges) if edge.callees}
         for index, edge in enumerate(cfg.edges):
             if edge.callees:
                 states = ((key, result.record.calls.get((index, key))) for key in edge.callees)

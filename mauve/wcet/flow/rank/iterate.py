@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from itertools import pairwise
 
 from mauve.wcet.flow.locations import WORD, Interval
 from mauve.wcet.flow.rank.measures import Contradiction, Knowledge, hull, intersection, learn, pull_halves
@@ -25,6 +26,8 @@ from mauve.wcet.flow.rank.terms import (
 
 MOST_STEPS = 160
 """steps times passes"""
+STEADY = 6
+"""After so many steps that were all the same it is looked where they lead."""
 MOST_MEASURES = 10
 
 
@@ -64,15 +67,38 @@ def iterate(problem: Problem) -> int | None:
     engine = Engine(problem)
     if not 0 < len(engine.measures) <= MOST_MEASURES:
         return None
-    current = engine.start()
-    for steps in range(max(MOST_STEPS // len(problem.passes), 1)):
-        following = engine.step(current)
+    history = [engine.start()]
+    most = max(MOST_STEPS // len(problem.passes), 1)
+    for steps in range(most):
+        following = engine.step(history[-1])
         if following is None:
             return steps
-        if following == current:
+        if following == history[-1]:
             return None
-        current = following
+        history.append(following)
+        if steps % STEADY == 0 and steps > 2 * STEADY and _leads_nowhere(problem, history, most - steps):
+            return None
     return None
+
+
+def _leads_nowhere(problem: Problem, history: list[list[Interval]], left: int) -> bool:
+    """Whether all ends of the intervals have moved by the same steps for a while, and would not come to another end or
+    to a number in a relation in the steps that are left (a heuristic: slow counters have arguments of their own)."""
+    ends = [[end for of in moment for end in (of.low, of.high)] for moment in history[-STEADY:]]
+    steps = [b - a for a, b in zip(ends[-2], ends[-1], strict=True)]
+    for before, after in pairwise(ends):
+        if any(b - a != step for a, b, step in zip(before, after, steps, strict=True)):
+            return False
+    marks = {t.constant for s in problem.passes for r in s.known for t in (r.a, r.b, subtract(r.a, r.b))}
+    fixed = [(mark, 0) for mark in {0, WORD // 2} | marks | {WORD - mark for mark in marks}]
+    moving = list(zip(ends[-1], steps, strict=True))
+    for end, step in moving:
+        for mark, its_step in (*moving, *fixed) if step else ():
+            nearer = step - its_step
+            gap = (mark - end if nearer > 0 else end - mark) % WORD
+            if nearer and gap <= abs(nearer) * (left + 1):
+                return False
+    return True
 
 
 class Engine:
