@@ -31,7 +31,7 @@ from mauve.wcet.binary.microop import (
 )
 from mauve.wcet.flow import anchors, closed_form, domain, flags, joining, linear
 from mauve.wcet.flow.closed_form import Stay
-from mauve.wcet.flow.domain import SIGN, Range
+from mauve.wcet.flow.domain import SIGN, TOP, Range
 from mauve.wcet.flow.image import Image
 from mauve.wcet.flow.joining import Header, Place
 from mauve.wcet.flow.linear import FIRST_FRESH, FRAME, Value
@@ -50,6 +50,8 @@ SEARCHED = (0, 1, 2, 3, 2, 1)
 even deeper are passed roughly: by how many loops lie inside each other in the loop, the last one for more."""
 MOST_ROUGH = 6
 """Attempts at a rough header."""
+MANY = 64
+"""Iterations after which a loop whose exits depend on wide ranges is not stepped to its end."""
 MOST_SPLITS = 8
 """In a block, conditional instructions split a state at most into this many."""
 
@@ -212,7 +214,7 @@ class Execution:
                 now: _Exits | None = None
                 if count & (count - 1) == 0 and count >= 8:
                     checkpoint = [state.copy() for state in states]
-                    now = _Exits(self._exits(loop))
+                    now = _Exits(self._exits(loop), count >= MANY)
                 elif checkpoint is not None and _stands_still(checkpoint, states):
                     raise _Exhausted(loop, True)
                 for state in states:
@@ -628,15 +630,15 @@ class _Exits:
     """What one iteration of a stepped loop knew at the branches that lead out of it (a heuristic: data that are as
     unknown as they were many iterations ago will not end the loop)."""
 
-    def __init__(self, blocks: frozenset[int] = frozenset()) -> None:
-        self.blocks = blocks
+    def __init__(self, blocks: frozenset[int] = frozenset(), roughly: bool = False) -> None:
+        self.blocks, self.roughly = blocks, roughly
         self.known: dict[int, frozenset[Range] | None] = {}
 
     def note(self, block: int, last: Instruction, states: States) -> None:
         """Note the compared values at the end of a block; None where the branch is decided in some state."""
         if isinstance(last.flow, CompareBranch):
             values = frozenset(state.range_of(state.regs[last.flow.register]) for state in states)
-            self.known[block] = None if any(known.n == 0 or 0 not in known for known in values) else values
+            self.known[block] = None if any(known.n == 0 or 0 not in known for known in values) else self._seen(values)
             return
         # Where a conditional instruction with the same condition stands before it, each state alone is decided.
         possible = any(flags.may_hold(state.flags, last.condition) for state in states)
@@ -647,12 +649,17 @@ class _Exits:
                 self.known[block] = None
                 return
             found.add(state.range_of(linear.sub(state.origin[1], state.origin[2])))
-        self.known[block] = frozenset(found)
+        self.known[block] = self._seen(frozenset(found))
+
+    def _seen(self, values: frozenset[Range]) -> frozenset[Range]:
+        """The ranges as they are compared: after many iterations those too wide to be used up are all the same."""
+        return frozenset(TOP if self.roughly and known.span >= closed_form.MOST else known for known in values)
 
     def hopeless(self, before: _Exits) -> bool:
         """Whether all branches out of the loop are as undecided as they were."""
         mine = [self.known.get(block) for block in self.blocks]
-        return None not in mine and bool(mine) and self.blocks == before.blocks and self.known == before.known
+        same = self.roughly is before.roughly
+        return same and None not in mine and bool(mine) and self.blocks == before.blocks and self.known == before.known
 
 
 def _stands_still(before: States, now: States) -> bool:
