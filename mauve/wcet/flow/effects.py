@@ -9,9 +9,9 @@ from mauve.wcet.binary.graph import Edge, EdgeKind
 from mauve.wcet.binary.microop import SP, Op
 from mauve.wcet.flow import domain, flags, joining, linear, spills
 from mauve.wcet.flow.domain import MASK, SIGN, TOP, Range
-from mauve.wcet.flow.execute import Record
 from mauve.wcet.flow.linear import FRAME, Value, entry_symbol
 from mauve.wcet.flow.locations import CALL_CLOBBERED, CallEffects, Helper
+from mauve.wcet.flow.record import Record
 from mauve.wcet.flow.state import ABSOLUTE, IN_STACK, MASK_OF_ALL, OF_FRAME, State
 
 ARGUMENTS = (0, 1, 2, 3)

@@ -8,10 +8,8 @@ the caller and by a budget of steps: a stepped loop that exceeds its share is su
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Sequence
 from time import monotonic
-from typing import Protocol
 
 from mauve.wcet.binary.graph import EXIT, Edge, EdgeKind
 from mauve.wcet.binary.microop import (
@@ -29,13 +27,15 @@ from mauve.wcet.binary.microop import (
     Store,
     TableJump,
 )
-from mauve.wcet.flow import anchors, closed_form, domain, flags, joining, linear
+from mauve.wcet.flow import closed_form, domain, flags, joining, linear
 from mauve.wcet.flow.closed_form import Stay
-from mauve.wcet.flow.domain import SIGN, TOP, Range
+from mauve.wcet.flow.domain import Range
 from mauve.wcet.flow.image import Image
 from mauve.wcet.flow.joining import Header, Place
 from mauve.wcet.flow.linear import FIRST_FRESH, FRAME, Value
 from mauve.wcet.flow.order import FUNCTION, Order
+from mauve.wcet.flow.progress import Exits, Marks, stands_still
+from mauve.wcet.flow.record import Calls, Exhausted, GaveUp, Policy, Record
 from mauve.wcet.flow.state import MASK_OF_ALL, State
 from mauve.wcet.flow.transfer import run
 
@@ -43,8 +43,6 @@ States = list[State]
 Leaving = dict[int, States]
 """States by the index of the edge on which they leave a region."""
 
-MOST_STOPS = 3
-"""Attempts at a header in which ranges stop at any mark."""
 SEARCHED = (0, 1, 2, 3, 2, 1)
 """While the header of a loop is sought, the headers of loops at most so much deeper are sought anew each time, those
 even deeper are passed roughly: by how many loops lie inside each other in the loop, the last one for more."""
@@ -54,64 +52,6 @@ MANY = 64
 """Iterations after which a loop whose exits depend on wide ranges is not stepped to its end."""
 MOST_SPLITS = 8
 """In a block, conditional instructions split a state at most into this many."""
-
-
-@dataclass(slots=True)
-class Record:
-    """What a sound pass over the whole function saw. `visits` and `totals` count executions of loop headers (per
-    entry, per execution of the function); `accesses` and `writes` are places (region, first byte, last byte), region
-    None anywhere; `saved` the callee-saved registers put on the stack; `leaks`: of which addresses
-    (State.mask) something may have been stored outside the frame; `calls` the state before each call that asked for
-    it by (edge, callee); `targets` the values of indirect branches by instruction address."""
-
-    visits: dict[int, int | None] = field(default_factory=dict)
-    methods: dict[int, str] = field(default_factory=dict)
-    totals: dict[int, int | None] = field(default_factory=dict)
-    taken: set[int] = field(default_factory=set)
-    accesses: dict[tuple[int, int], tuple[int | None, int, int]] = field(default_factory=dict)
-    writes: set[tuple[int | None, int, int]] = field(default_factory=set)
-    saved: set[int] = field(default_factory=set)
-    leaks: int = 0
-    calls: dict[tuple[int, int], State] = field(default_factory=dict)
-    targets: dict[int, Range] = field(default_factory=dict)
-    headers: dict[int, Header] = field(default_factory=dict)
-    depth: int | None = 0
-    returned: States = field(default_factory=list)
-
-
-class Calls(Protocol):
-    """What happens between a call and its return."""
-
-    def apply(self, state: State, index: int, edge: Edge, record: Record | None) -> State | None:
-        """The state after the call on edge `index`, or None when no callee returns. May change `state`; adds the
-        callee's writes to the record."""
-
-
-@dataclass(frozen=True, slots=True)
-class Policy:
-    """`stepped`: loops to execute iteration by iteration; `width`: states kept apart where paths meet; `steps`:
-    instructions to execute before giving up stepping; `passes`: to find a header that holds all iterations; `most`:
-    instructions to execute in summarised loops before giving up altogether."""
-
-    stepped: frozenset[int]
-    width: int = 1
-    steps: int = 12_000
-    passes: int = 12
-    most: int = 400_000
-
-
-class _Exhausted(Exception):
-    """A stepped loop has used up its share of the budget, or (`hopeless`) would do so whatever its share."""
-
-    def __init__(self, region: int, hopeless: bool = False) -> None:
-        self.region, self.hopeless = region, hopeless
-
-
-class GaveUp(Exception):
-    """The analysis of a function takes more steps or time (`for_time`) than it may."""
-
-    def __init__(self, for_time: bool = False) -> None:
-        self.for_time = for_time
 
 
 class Execution:
@@ -138,8 +78,8 @@ class Execution:
         self.summaries = 0
         self.stays: dict[int, list[Stay]] | None = None
         self.limits: list[tuple[int, int]] = []
-        self.watching: _Exits | None = None
-        self.marks: list[_Marks] = []
+        self.watching: Exits | None = None
+        self.marks: list[Marks] = []
         self.deepest: int | None = None
         self.moving: dict[int, dict[Place, int]] = {}
 
@@ -188,7 +128,7 @@ class Execution:
         if loop in self.stepped:
             try:
                 return self._step(loop, [state.copy() for state in states])
-            except _Exhausted as exhausted:
+            except Exhausted as exhausted:
                 if exhausted.region != loop:
                     raise
                 self.stepped.discard(loop)
@@ -207,26 +147,26 @@ class Execution:
         saved = self._checkpoint()
         leaving: Leaving = {}
         count, checkpoint = 0, None
-        before, watching = _Exits(), self.watching
+        before, watching = Exits(), self.watching
         try:
             while states:
                 count += 1
-                now: _Exits | None = None
+                now: Exits | None = None
                 if count & (count - 1) == 0 and count >= 8:
                     checkpoint = [state.copy() for state in states]
-                    now = _Exits(self._exits(loop), count >= MANY)
-                elif checkpoint is not None and _stands_still(checkpoint, states):
-                    raise _Exhausted(loop, True)
+                    now = Exits(self._exits(loop), count >= MANY)
+                elif checkpoint is not None and stands_still(checkpoint, states):
+                    raise Exhausted(loop, True)
                 for state in states:
                     state.prune()
                 self.watching = now
                 left, states = self._region(loop, states)
                 if now is not None and now.hopeless(before):
-                    raise _Exhausted(loop, True)
+                    raise Exhausted(loop, True)
                 before = now or before
                 for index, after in left.items():
                     leaving[index] = joining.restrict(leaving.get(index, []) + after, self.policy.width)
-        except _Exhausted:
+        except Exhausted:
             self._restore(saved)
             raise
         finally:
@@ -318,14 +258,14 @@ class Execution:
 
     def _header(self, loop: int, entry: State) -> tuple[Header | None, int | None]:
         """A header that holds all visits and a bound of their number; (None, 1) where the loop never comes back."""
-        marks = _Marks(entry.symbols.fresh(), set(self.thresholds))
+        marks = Marks(entry.symbols.fresh(), set(self.thresholds))
         self.marks.append(marks)
         try:
             return self._invariant(loop, entry, marks)
         finally:
             self.marks.pop()
 
-    def _invariant(self, loop: int, entry: State, marks: _Marks) -> tuple[Header | None, int | None]:
+    def _invariant(self, loop: int, entry: State, marks: Marks) -> tuple[Header | None, int | None]:
         back, _ = self._try(loop, entry)
         if back is None:
             return None, 1
@@ -393,7 +333,7 @@ class Execution:
         instructions = self.order.cfg.blocks[block].instructions
         self.steps += len(instructions) * len(states)
         if self.limits and self.steps > self.limits[-1][1]:
-            raise _Exhausted(next(r for r, limit in self.limits if self.steps > limit))
+            raise Exhausted(next(r for r, limit in self.limits if self.steps > limit))
         if not self.limits:
             self.summary_steps += len(instructions) * len(states)
         if self.summary_steps > self.policy.most:
@@ -578,112 +518,3 @@ def _compare_with_zero(state: State, flow: CompareBranch) -> None:
     value = state.regs[flow.register]
     state.flags = flags.of_logic(state.range_of(value), state.flags)
     state.origin = (FlagKind.LOGIC, value, 0)
-
-
-@dataclass(slots=True)
-class _Marks:
-    """Where ranges in a loop stop growing first: constants of the function, and the ends of what the loop compares
-    with and does not change, made of symbols before `fresh`. `limits` are such values, `of_symbol` the ends that a
-    symbol of the header is compared with."""
-
-    fresh: int
-    found: set[int]
-    limits: dict[Value, None] = field(default_factory=dict)
-    of_symbol: dict[int, set[int]] = field(default_factory=dict)
-
-    def note(self, state: State) -> None:
-        """Take up the compare that a branch depends on."""
-        if state.origin is None:
-            return
-        _, a, b = state.origin
-        for moving, fixed in ((a, b), (b, a)):
-            if type(moving) is int or any(symbol >= self.fresh for symbol in linear.symbols(fixed)):
-                continue
-            if type(fixed) is tuple:
-                self.limits[(0, *fixed[1:])] = None
-            known = state.range_of(fixed)
-            if known.span >= SIGN:
-                continue
-            assert type(moving) is tuple
-            ends = {
-                (end - offset + near) & domain.MASK
-                for end in (known.low, known.low + known.span)
-                for offset in (0, moving[0])
-                for near in (-1, 0, 1)
-            }
-            self.found |= ends
-            for symbol in self.of_symbol.keys() & anchors.reached(state, moving):
-                self.of_symbol[symbol] |= ends
-
-    def thresholds(self, attempt: int, last: int) -> Callable[[int], Sequence[int]]:
-        """For a symbol of the header where its range stops next: at any mark in the first attempts, then at those that
-        it is compared with, in the end (`last`) nowhere."""
-        if attempt < MOST_STOPS:
-            every = sorted(self.found)
-            return lambda symbol: every
-        if attempt < last:
-            return lambda symbol: sorted({0, SIGN - 1, SIGN, domain.MASK} | self.of_symbol.get(symbol, set()))
-        return lambda symbol: ()
-
-
-class _Exits:
-    """What one iteration of a stepped loop knew at the branches that lead out of it (a heuristic: data that are as
-    unknown as they were many iterations ago will not end the loop)."""
-
-    def __init__(self, blocks: frozenset[int] = frozenset(), roughly: bool = False) -> None:
-        self.blocks, self.roughly = blocks, roughly
-        self.known: dict[int, frozenset[Range] | None] = {}
-
-    def note(self, block: int, last: Instruction, states: States) -> None:
-        """Note the compared values at the end of a block; None where the branch is decided in some state."""
-        if isinstance(last.flow, CompareBranch):
-            values = frozenset(state.range_of(state.regs[last.flow.register]) for state in states)
-            self.known[block] = None if any(known.n == 0 or 0 not in known for known in values) else self._seen(values)
-            return
-        # Where a conditional instruction with the same condition stands before it, each state alone is decided.
-        possible = any(flags.may_hold(state.flags, last.condition) for state in states)
-        certain = all(flags.must_hold(state.flags, last.condition) for state in states)
-        found: set[Range] = set()
-        for state in states:
-            if certain or not possible or state.origin is None:
-                self.known[block] = None
-                return
-            found.add(state.range_of(linear.sub(state.origin[1], state.origin[2])))
-        self.known[block] = self._seen(frozenset(found))
-
-    def _seen(self, values: frozenset[Range]) -> frozenset[Range]:
-        """The ranges as they are compared: after many iterations those too wide to be used up are all the same."""
-        return frozenset(TOP if self.roughly and known.span >= closed_form.MOST else known for known in values)
-
-    def hopeless(self, before: _Exits) -> bool:
-        """Whether all branches out of the loop are as undecided as they were."""
-        mine = [self.known.get(block) for block in self.blocks]
-        same = self.roughly is before.roughly
-        return same and None not in mine and bool(mine) and self.blocks == before.blocks and self.known == before.known
-
-
-def _stands_still(before: States, now: States) -> bool:
-    """Whether nothing that is known has changed between two visits of a header (a heuristic: stepping on would not
-    end)."""
-    return len(before) == len(now) and all(_same(a, b) for a, b in zip(before, now, strict=True))
-
-
-def _same(a: State, b: State) -> bool:
-    if any(_moved(a, b, x, y) for x, y in zip(a.regs[:15], b.regs[:15], strict=True)):
-        return False
-    for region in a.memory.keys() & b.memory.keys():
-        mine, other = a.memory[region], b.memory[region]
-        if mine is other:
-            continue
-        for offset, cell in mine.items():
-            their = other.get(offset)
-            if their is None or _moved(a, b, cell[1], their[1]):
-                return False
-    return True
-
-
-def _moved(a: State, b: State, x: Value, y: Value) -> bool:
-    """Whether a value has changed by more than being another unknown of the same range."""
-    if x == y:
-        return False
-    return type(linear.sub(y, x)) is int or a.range_of(x) != b.range_of(y)

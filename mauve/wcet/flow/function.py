@@ -10,9 +10,10 @@ from mauve.wcet.binary.loops import Loop
 from mauve.wcet.binary.microop import Compute, Imm, Instruction, SetFlags
 from mauve.wcet.flow.closed_form import MOST
 from mauve.wcet.flow.domain import MASK, SIGN, Range
-from mauve.wcet.flow.execute import Calls, Execution, GaveUp, Policy, Record
+from mauve.wcet.flow.execute import Execution
 from mauve.wcet.flow.image import Image
 from mauve.wcet.flow.order import Order
+from mauve.wcet.flow.record import Calls, GaveUp, Policy, Record
 from mauve.wcet.flow.result import LoopBound
 from mauve.wcet.flow.state import State
 from mauve.wcet.result import Origin

@@ -21,13 +21,13 @@ from mauve.wcet.binary.split import split_irreducible
 from mauve.wcet.flow import effects
 from mauve.wcet.flow.domain import MASK, Range
 from mauve.wcet.flow.effects import ARGUMENTS, UNKNOWN, ProgramCalls, Summary
-from mauve.wcet.flow.execute import GaveUp, Record
 from mauve.wcet.flow.function import Attempt, FunctionResult, Limits, analyse_function
 from mauve.wcet.flow.given import Given, Stated
 from mauve.wcet.flow.image import Image
 from mauve.wcet.flow.locations import CallEffects, Helper
 from mauve.wcet.flow.order import Order, arrange
 from mauve.wcet.flow.ranked import ContextRanking, Ranked
+from mauve.wcet.flow.record import GaveUp, Record
 from mauve.wcet.flow.result import AddressRange, Exclusive, FunctionFlow, LoopBound
 from mauve.wcet.flow.state import ABSOLUTE, State, Symbols
 from mauve.wcet.flow.values import LoopValues

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from mauve.wcet.flow.domain import MODULUS, SIGN, Range
-from mauve.wcet.flow.execute import Record
 from mauve.wcet.flow.image import Image
 from mauve.wcet.flow.linear import FRAME
 from mauve.wcet.flow.locations import ANY, Base, Cell, Interval, Location, Region, whole
+from mauve.wcet.flow.record import Record
 from mauve.wcet.flow.state import ABSOLUTE, State
 
 
