@@ -177,8 +177,9 @@ class Execution:
 
     def _exits(self, loop: int) -> frozenset[int]:
         """The blocks of a loop that have a way out of it."""
-        blocks = self.order.regions[loop].blocks
-        return frozenset(e.source for e in self.order.cfg.edges if e.source in blocks and e.target not in blocks)
+        order, blocks, edges = self.order, self.order.regions[loop].blocks, self.order.cfg.edges
+        leaving = {block: (*order.taken[block], *order.fall[block]) for block in blocks}
+        return frozenset(b for b in blocks if any(edges[index].target not in blocks for index in leaving[b]))
 
     def _checkpoint(self) -> tuple[dict[int, int | None], dict[int, int | None]] | None:
         return None if self.record is None else (dict(self.record.visits), dict(self.record.totals))

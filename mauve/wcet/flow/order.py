@@ -101,7 +101,7 @@ def _always(cfg: Cfg, nest: LoopNest, loop_id: int, leaving: list[list[int]]) ->
     """The blocks with an exit edge on all ways from the header to a back edge."""
     loop = nest.loops[loop_id]
     latches = {cfg.edges[index].source for index in loop.back_edges}
-    exits = {e.source for e in cfg.edges if e.source in loop.blocks and e.target not in loop.blocks}
+    exits = {b for b in loop.blocks if any(cfg.edges[index].target not in loop.blocks for index in leaving[b])}
     return frozenset(b for b in exits if not _reaches(cfg.edges, loop.header, latches, b, loop.blocks, leaving))
 
 
