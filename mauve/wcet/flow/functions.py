@@ -147,14 +147,23 @@ class Functions:
         """Whether a function is not followed: one of the library that nobody states facts about."""
         return is_closed(cfg.name) and not self.given.inside_library
 
-    def bound_anyhow(self, key: int, loop: int) -> int | None:
-        """Executions of a loop's header per entry, whatever the function is called with."""
-        known = self._library(key).get(loop)
-        if known is None:
-            self.settle(key, self.limits.deadline)
+    def bound_anyhow(self, key: int, loop: int, deadline: float | None) -> int | None:
+        """Executions of a loop's header per entry, whatever the function is called with; None as well where that is not
+        found out in time."""
+        bound = self.known_bounds(key).get(loop)
+        if bound is None and not self.curtailed:
+            before = self.limits
+            self.settle(key, deadline)
             default = self.default(key)
-            known = None if default is None else default.flow.bounds.get(loop)
-        return None if known is None else known.bound
+            found = None if default is None else default.flow.bounds.get(loop)
+            bound = None if found is None else found.bound
+            self.limits = before
+        return bound
+
+    def known_bounds(self, key: int) -> dict[int, int]:
+        """Bounds of a function's loops that need no analysis: those of library routines, and what facts state."""
+        stated = self.given.bounds(self.cfgs[key], self.nest(key)).bounds
+        return {loop: bound.bound for loop, bound in _smallest(stated, self._library(key)).items()}
 
     def default(self, key: int) -> Analysed | None:
         """The function in the context that covers every call, with all effort."""
@@ -263,7 +272,7 @@ class Functions:
             return replace(bare, flow=replace(bare.flow, problems=(_contradicted(cfg, None),)))
         assumed = self.given.assumed.arguments
         wanted = frozenset(k for k in callgraph.callees(cfg) if k in assumed or self._incomplete(k))
-        helpers = {k: helper for k in callgraph.callees(cfg) if (helper := self._helper(k)) is not None}
+        helpers = {k: helper for k in callgraph.callees(cfg) if (helper := self.helper(k)) is not None}
         calls = ProgramCalls(self.summaries, wanted, helpers)
 
         rankings: dict[int, ContextRanking] = {}
@@ -317,7 +326,7 @@ class Functions:
                 if state is not None and self.given.assumed.entered(key, state) is None:
                     yield _contradicted(self.cfgs[key], cfg.blocks[edge.source].instructions[-1].address)
 
-    def _helper(self, key: int) -> Helper | None:
+    def helper(self, key: int) -> Helper | None:
         """What a run-time helper computes, by its name."""
         symbol = self.binary.symbol_at(key)
         return None if symbol is None else effects.helper_named({symbol.name, self.cfgs[key].name})

@@ -17,8 +17,9 @@ from mauve.wcet.binary.elf import Binary
 from mauve.wcet.binary.graph import EXIT
 from mauve.wcet.binary.lines import LineTable
 from mauve.wcet.binary.microop import IndirectCall, IndirectJump, Instruction
+from mauve.wcet.flow import domain
 from mauve.wcet.flow.assumed import Assumed
-from mauve.wcet.flow.domain import Range
+from mauve.wcet.flow.domain import MASK, Range
 from mauve.wcet.flow.facts import Fact
 from mauve.wcet.flow.function import Limits
 from mauve.wcet.flow.functions import POINTERS, Analysed, Functions
@@ -115,10 +116,14 @@ class Programs:
         problems in the result; no input makes this raise.
         """
         deadline = self._limits.deadline if timeout is None else monotonic() + timeout
-        if self._initial_data:
-            ran = self._run(entry_key, deadline)
-            if ran is not None:
-                return ran
+        ran = self._run(entry_key, deadline) if self._initial_data else None
+        if ran is not None and not _open(ran):
+            return ran
+        analysed = self._analysed(entry_key, deadline)
+        return analysed if ran is None or _open(analysed) < _open(ran) else ran
+
+    def _analysed(self, entry_key: int, deadline: float | None) -> ProgramFlow:
+        """The analysis without a run."""
         found: Targets = {}
         for last in (*(False for _ in range(ROUNDS)), True):
             # Targets that still change when the rounds are over are not known.
@@ -135,21 +140,25 @@ class Programs:
         return flow
 
     def _run(self, entry: int, deadline: float | None) -> ProgramFlow | None:
-        """The program executed from its linked data; None where that could not go on to its end, and where facts assume
-        ranges: a run knows values or nothing, the other analyses know ranges."""
+        """The program executed from its linked data; None where that could not go on to its end."""
+        from mauve.wcet.flow.run.memory import Given as Start
         from mauve.wcet.flow.run.program import Source, run_program
 
         assumed = self._given.assumed
-        if assumed.arguments or any(stretch.width for stretch in assumed.memory):
-            return None
-        unknown = [(stretch.start, stretch.end) for stretch in assumed.memory]
+        given = [
+            Start(one.start, one.end, one.width, domain.between(one.low & MASK, one.high & MASK))
+            if one.width
+            else Start(one.start, one.end)
+            for one in assumed.memory
+        ]
         found: dict[int, frozenset[int]] = {}
+        # Unknown values that decide fork a run, which may end nowhere: the other analyses need time as well.
+        now = monotonic()
+        until = deadline if deadline is None or not given else now + (deadline - now) / FOR_RUNS
         for _ in range(RUNS):
             functions = self._functions({address: tuple(sorted(targets)) for address, targets in found.items()})
-            # Unknown values that decide fork a run, which may end nowhere: the other analyses need time as well.
-            now = monotonic()
-            until = deadline if deadline is None or not unknown else now + (deadline - now) / FOR_RUNS
-            ran = run_program(Source(functions, entry), entry, until, unknown=unknown)
+            functions.limits = replace(functions.limits, deadline=until)
+            ran = run_program(Source(functions, entry, assumed.arguments, until), entry, until, given=given)
             if ran.flows is not None:
                 return _with_facts(ran, self._given)
             grown = {at: found.get(at, frozenset()) | more for at, more in ran.targets.items()}
@@ -298,6 +307,11 @@ class _Program:
         return function.flow
 
 
+def _open(flow: ProgramFlow) -> int:
+    """How much a result leaves without a bound."""
+    return len(flow.problems) + sum(len(function.problems) for function in flow.functions.values())
+
+
 def _with_facts(ran: Ran, given: Given) -> ProgramFlow:
     """The contexts of a run with what flow facts state of their loops."""
     assert ran.flows is not None
@@ -318,7 +332,7 @@ def _with_facts(ran: Ran, given: Given) -> ProgramFlow:
 
 
 RAN = "the program starts with the data it is linked with, and runs once"
-FOR_RUNS = 12
+FOR_RUNS = 3
 """A run with unknown data gets at most one part in so many of the time."""
 RUNS = 16
 """How often a run starts again with the targets of pointers that it came to."""

@@ -16,7 +16,7 @@ from mauve.wcet.binary.decode import Decoded, Decoder
 from mauve.wcet.binary.graph import EXIT, Block, Cfg, Edge, EdgeKind
 from mauve.wcet.binary.loops import LoopNest
 from mauve.wcet.flow.order import arrange
-from mauve.wcet.flow.run.compile import Run, Sites, compile_function
+from mauve.wcet.flow.run.compile import ASKED, ASSUMED, Run, Sites, compile_function
 from mauve.wcet.flow.run.float_text import FLOAT, FLOAT_FLAGS, FLOAT_MODE, SLOTS
 from mauve.wcet.flow.run.media import Partial, media_select, partial
 from mauve.wcet.flow.run.words import MASK, UNKNOWN, Undecided
@@ -90,7 +90,8 @@ class Words:
 
     def __init__(self) -> None:
         self.content: dict[int, Any] = {}
-        self.load_byte = self.load_half = self.store_byte = self.store_half = None
+        self.load_byte = self.load_half = self.load_signed_byte = self.load_signed_half = None
+        self.store_byte = self.store_half = None
 
     def site(self) -> int:
         return 0
@@ -148,6 +149,7 @@ class Rig:
         except self.refused:
             return None
         registers: list[Any] = [UNKNOWN] * SLOTS
+        registers[ASKED] = registers[ASSUMED] = None
         registers[:15], registers[N_FLAGS], registers[FLOAT:] = core, flags, floats
         registers[FLOAT_FLAGS:FLOAT_MODE], registers[FLOAT_MODE] = [1 - flag for flag in flags], 0
         self.memory.content = {DATA + 4 * n: floats[n % 32] for n in range(DATA_SIZE // 4)}

@@ -259,6 +259,8 @@ class Replay:
     def _costs(self, bounds: Mapping[ContextKey, FunctionBound], names: tuple[ContextKey, ...]) -> tuple[int, ...]:
         """The greatest cycles of every edge."""
         own = [bounds[name].own for name in names if name in bounds]
+        if not all(own):  # one of the contexts has no bound
+            return ()
         return tuple(map(max, zip(*own, strict=True))) if len(own) > 1 else tuple(own[0]) if own else ()
 
     def _called(self, frame: _Frame, edges: list[int], callee: int) -> _Frame | None:

@@ -6,7 +6,7 @@ function with many of them gets one behaviour that covers all (per depth of the 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 MOST = 24
@@ -16,7 +16,8 @@ MOST = 24
 @dataclass(slots=True)
 class Behaviour:
     """`counts` are the most executions of each edge per execution of the function, `most` those of each loop's header
-    per entry of the loop; `calls` the behaviours of what each edge called; `stack` bytes used, callees included."""
+    per entry of the loop; `calls` the behaviours of what each edge called; `stack` bytes used, callees included.
+    `endless` are loops without a bound, `loose` those whose edges have counts that say nothing."""
 
     function: Any
     level: int
@@ -24,6 +25,8 @@ class Behaviour:
     most: list[int]
     calls: dict[int, set[int]]
     stack: int
+    endless: frozenset[int]
+    loose: frozenset[int]
 
 
 class Behaviours:
@@ -39,10 +42,13 @@ class Behaviours:
 
     def note(self, function: Any, level: int, frame: Any, stack: int) -> int:
         """The number of the behaviour of an execution that has ended."""
+        now = frame.now
+        endless, loose = frozenset(frame.endless), frozenset(frame.loose)
         if function.group in self._collapsed:
-            return self._widen(function, level, frame.counts, frame.most, frame.calls, stack)
-        calls = tuple(frame.calls.items()) if len(frame.calls) < 2 else tuple(sorted(frame.calls.items()))
-        signature = (tuple(frame.counts), tuple(frame.most), calls)
+            calls = {edge: set(callees) for edge, callees in now.calls.items()}
+            return self._widen(Behaviour(function, level, now.counts, now.most, calls, stack, endless, loose))
+        calls_made = tuple(now.calls.items()) if len(now.calls) < 2 else tuple(sorted(now.calls.items(), key=_edge))
+        signature = (tuple(now.counts), tuple(now.most), calls_made, endless, loose)
         known = self._known.setdefault(function.key, {})
         number = known.get(signature)
         if number is not None:
@@ -50,28 +56,40 @@ class Behaviours:
             mine.level, mine.stack = max(mine.level, level), max(mine.stack, stack)
             return number
         number = len(self.all)
-        made = {edge: set(callees) for edge, callees in frame.calls.items()}
-        self.all.append(Behaviour(function, level, list(frame.counts), list(frame.most), made, stack))
+        made = {edge: set(callees) for edge, callees in now.calls.items()}
+        self.all.append(Behaviour(function, level, list(now.counts), list(now.most), made, stack, endless, loose))
         known[signature] = number
         self._members.setdefault(function.group, set()).add(function.key)
         if len(known) > self._most:
             self._collapsed.add(function.group)
         return number
 
-    def _widen(self, function: Any, level: int, counts: Any, most: Any, calls: Any, stack: int) -> int:
-        number = self._together.get((function.key, level))
+    def _widen(self, found: Behaviour) -> int:
+        """The number of the behaviour that covers all of a function's at one level of recursion."""
+        number = self._together.get((found.function.key, found.level))
         if number is None:
-            number = self._together[function.key, level] = len(self.all)
-            made = {edge: set(callees) for edge, callees in calls.items()}
-            self.all.append(Behaviour(function, level, list(counts), list(most), made, stack))
+            number = self._together[found.function.key, found.level] = len(self.all)
+            calls = {edge: set(callees) for edge, callees in found.calls.items()}
+            counts, most = list(found.counts), list(found.most)
+            self.all.append(
+                Behaviour(found.function, found.level, counts, most, calls, found.stack, found.endless, found.loose)
+            )
             return number
         mine = self.all[number]
-        mine.counts = list(map(max, mine.counts, counts))
-        mine.most = list(map(max, mine.most, most))
-        mine.stack = max(mine.stack, stack)
-        for edge, callees in calls.items():
+        mine.counts = list(map(max, mine.counts, found.counts))
+        mine.most = list(map(max, mine.most, found.most))
+        mine.stack = max(mine.stack, found.stack)
+        mine.endless, mine.loose = mine.endless | found.endless, mine.loose | found.loose
+        for edge, callees in found.calls.items():
             mine.calls.setdefault(edge, set()).update(callees)
         return number
+
+    def together(self, numbers: list[int]) -> int:
+        """The number of a behaviour that covers these of one function."""
+        if len(numbers) == 1:
+            return numbers[0]
+        # A level of its own keeps it apart from what calls of the function have in common.
+        return max(self._widen(replace(self.all[number], level=0)) for number in numbers)
 
     def settle(self, entry: int) -> tuple[int, list[int]] | None:
         """The entry's number and all behaviours that count, callees before callers; those of a function with too many
@@ -80,9 +98,7 @@ class Behaviours:
         for group in self._collapsed:
             for key in self._members.get(group, ()):
                 for number in self._known[key].values():
-                    mine = self.all[number]
-                    wide = self._widen(mine.function, mine.level, mine.counts, mine.most, mine.calls, mine.stack)
-                    replaced[number] = wide
+                    replaced[number] = self._widen(self.all[number])
         for mine in self.all:
             for edge, callees in mine.calls.items():
                 mine.calls[edge] = {replaced.get(callee, callee) for callee in callees}
@@ -104,3 +120,7 @@ class Behaviours:
                             return None
                         stack.append((callee, False))
         return start, order
+
+
+def _edge(item: tuple[int, Any]) -> int:
+    return item[0]

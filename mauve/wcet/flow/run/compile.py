@@ -13,7 +13,6 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from mauve.wcet.binary.floats import FloatFlags
-from mauve.wcet.binary.graph import Cfg, EdgeKind
 from mauve.wcet.binary.media import Parallel, Refine, Saturate, Select
 from mauve.wcet.binary.microop import (
     CompareBranch,
@@ -37,34 +36,45 @@ from mauve.wcet.binary.microop import (
 )
 from mauve.wcet.binary.microop import Shift as ShiftKind
 from mauve.wcet.flow.order import Order
-from mauve.wcet.flow.run import floating, media, operations, words
+from mauve.wcet.flow.run import flags, floating, media, narrow, operations, words
+from mauve.wcet.flow.run.flag_use import (
+    CV,
+    NZ,
+    instruction_before,
+    live_flags,
+    op_before,
+    read_before,
+    sets_flags,
+    sharing,
+    sources_of,
+)
 from mauve.wcet.flow.run.float_text import float_line, has_slot, media_line, written
 from mauve.wcet.flow.run.memory import Lost, Memory
 
-N, Z, C, V, TARGET, DEPTH = 16, 17, 18, 19, 20, 21
-"""Slots behind the core registers; DEPTH holds the least offset of sp that was seen in the current function."""
+N, Z, C, V, TARGET, DEPTH, ASKED, ASSUMED = 16, 17, 18, 19, 20, 21, 22, 23
+"""Slots behind the core registers; DEPTH holds the least offset of sp that was seen in the current function, ASKED what
+an undecided condition asked: flags (or None), its even encoding, whether it is negated, and the number of the
+instruction where it is not the block's last. ASSUMED maps such numbers to what the conditions are taken to say."""
 DYNAMIC, NOWHERE = -1, -2
 
 Run = Callable[[list[Any]], int]
 
-_NZ, _CV = 1, 2
-_READS = {0: _NZ, 1: _NZ, 2: _CV, 3: _CV, 4: _NZ, 5: _NZ, 6: _CV, 7: _CV, 14: 0}
 _M, _H = "4294967295", "2147483648"
 _SIMPLE = {
     Op.MOV: "{a}",
     Op.NOT: f"{{a}} ^ {_M}",
     Op.ADD: f"({{a}} + {{b}}) & {_M}",
     Op.SUB: f"({{a}} - {{b}}) & {_M}",
-    Op.ADC: f"({{a}} + {{b}} + r[18]) & {_M}",
-    Op.SBC: f"({{a}} - {{b}} - 1 + r[18]) & {_M}",
+    Op.ADC: f"({{a}} + {{b}} + carry_word(r[18])) & {_M}",
+    Op.SBC: f"({{a}} - {{b}} - 1 + carry_word(r[18])) & {_M}",
     Op.AND: "{a} & {b}",
     Op.OR: "{a} | {b}",
     Op.XOR: "{a} ^ {b}",
     Op.MUL: f"({{a}} * {{b}}) & {_M}",
-    Op.UMULH: "({a} * {b}) >> 32",
-    Op.SMULH: f"((({{a}} ^ {_H}) - {_H}) * (({{b}} ^ {_H}) - {_H}) >> 32) & {_M}",
-    Op.SXTB: f"(({{a}} & 255 ^ 128) - 128) & {_M}",
-    Op.SXTH: f"(({{a}} & 65535 ^ 32768) - 32768) & {_M}",
+    Op.UMULH: "high_unsigned({a}, {b})",
+    Op.SMULH: "high_signed({a}, {b})",
+    Op.SXTB: "extend_byte({a})",
+    Op.SXTH: "extend_half({a})",
     Op.UXTB: "{a} & 255",
     Op.UXTH: "{a} & 65535",
     Op.RRX: "rotate_through_carry({a}, r[18])",
@@ -73,15 +83,21 @@ _SIMPLE = {
     Op.ROR: "rotate({a}, {b})",
     Op.UNKNOWN: "UNKNOWN",
 }
+_ACCESSES = (
+    *("load", "load_byte", "load_signed_byte", "load_half", "load_signed_half"),
+    *("store", "store_byte", "store_half"),
+)
 _BY_REGISTER = {Op.SHL: "shift_left", Op.LSR: "shift_right", Op.ASR: "shift_right_signed"}
 
 
 @dataclass(slots=True)
 class Compiled:
-    """The blocks of one function; `last` does what the last instruction of a block does when its condition holds."""
+    """The blocks of one function; `last` does what the last instruction of a block does when its condition holds.
+    `stale` are the slots (of flags) that nothing reads from a block on."""
 
     blocks: list[Run]
     last: list[Run | None]
+    stale: list[tuple[int, ...]]
 
 
 @dataclass(slots=True)
@@ -101,22 +117,22 @@ class Sites:
 
 def compile_function(order: Order, sites: Sites) -> Compiled:
     """All blocks of a function."""
-    live = _live_flags(order.cfg)
+    live = live_flags(order.cfg)
     names: dict[str, Any] = {
         "UNKNOWN": words.UNKNOWN,
         "Undecided": words.Undecided,
         "merge": words.merge,
         "Stack": words.Stack,
+        "Stacks": words.Stacks,
         "Lost": Lost,
         "ShiftKind": ShiftKind,
         "Op": Op,
-        **{name: getattr(operations, name) for name in dir(operations) if not name.startswith("_")},
+        **{name: getattr(module, name) for module in (operations, flags, narrow) for name in module.__all__},
         **{name: getattr(floating, name) for name in dir(floating) if name.startswith("float_")},
         **{name: getattr(media, name) for name in dir(media) if name.startswith("media_")},
     }
     memory = sites.memory
-    names |= {name: getattr(memory, name) for name in ("load", "load_byte", "load_half")}
-    names |= {name: getattr(memory, name) for name in ("store", "store_byte", "store_half")}
+    names |= {name: getattr(memory, name) for name in _ACCESSES}
     blocks: list[Run] = []
     last: list[Run | None] = []
     text: list[str] = []
@@ -128,57 +144,11 @@ def compile_function(order: Order, sites: Sites) -> Compiled:
     for block in order.cfg.blocks:
         blocks.append(names[f"b{block.id}"])
         last.append(names.get(f"t{block.id}"))
-    return Compiled(blocks, last)
-
-
-# ------------------------------------------------------------------------------------------------------ liveness
-def _live_flags(cfg: Cfg) -> list[int]:
-    """Per block which of the flags (N and Z, C and V) may be read behind it. A call or return may lead to a reader."""
-    following: dict[int, list[int]] = {}
-    live = [0] * len(cfg.blocks)
-    for edge in cfg.edges:
-        if edge.kind in (EdgeKind.CALL, EdgeKind.RETURN, EdgeKind.TAIL_CALL):
-            live[edge.source] = _NZ | _CV
-        elif edge.target >= 0:
-            following.setdefault(edge.source, []).append(edge.target)
-    changed = True
-    entering = [_before(block.instructions, 0) for block in cfg.blocks]
-    while changed:
-        changed = False
-        for block in reversed(cfg.blocks):
-            out = live[block.id]
-            for target in following.get(block.id, ()):
-                out |= entering[target]
-            before = _before(block.instructions, out)
-            if out != live[block.id] or before != entering[block.id]:
-                live[block.id], entering[block.id], changed = out, before, True
-    return live
-
-
-def _before(instructions: tuple[Instruction, ...], live: int) -> int:
-    for instruction in reversed(instructions):
-        live = _instruction_before(instruction, live)
-    return live
-
-
-def _instruction_before(instruction: Instruction, live: int) -> int:
-    always = instruction.condition is Condition.AL
-    for op in reversed(instruction.ops):
-        live = _op_before(op, live, always)
-    return live | _READS.get(instruction.condition.value, _NZ | _CV)
-
-
-def _op_before(op: MicroOp, live: int, always: bool) -> int:
-    match op:
-        case SetFlags(kind):
-            if always:
-                live &= ~_NZ if kind in (FlagKind.LOGIC, FlagKind.WIDE) else 0
-            return live | (_CV if kind in (FlagKind.ADC, FlagKind.SBC) else 0)
-        case SetCarry():
-            return live | _CV if live & _CV else live
-        case Compute(op=Op.ADC | Op.SBC | Op.RRX):
-            return live | _CV
-    return live
+    stale = []
+    for block in order.cfg.blocks:
+        read = read_before(block.instructions, live[block.id])
+        stale.append((*((N, Z) if not read & NZ else ()), *((C, V) if not read & CV else ())))
+    return Compiled(blocks, last, stale)
 
 
 # ------------------------------------------------------------------------------------------------------ one block
@@ -191,10 +161,14 @@ class _Block:
         self.instructions = order.cfg.blocks[block].instructions
         self.lines: list[str] = []
         self.flags: tuple[str, ...] | None = None
+        self.expected: tuple[str, Operand, Operand] | None = None
         self.names = 0
         self.depth = 1
         self.written: set[int] = set()
         self.read: set[int] = set()
+        self.answers: dict[int, str] = {}
+        """names that hold whether a condition (its even encoding) holds, since the flags were set last"""
+        self.shared = sharing(self.instructions)
 
     def emit(self, text: str) -> None:
         """One line."""
@@ -206,16 +180,17 @@ class _Block:
         after = self._liveness()
         last = self.instructions[-1]
         for position, instruction in enumerate(self.instructions[:-1]):
-            self._instruction(instruction, after[position])
+            self._instruction(instruction, after[position], position)
         split = last.condition is not Condition.AL and self._branches()
         if not split:
-            self._instruction(last, after[-1])
+            self._instruction(last, after[-1], len(after) - 1)
         condition = self._condition(last.condition) if split else ""
+        asked = self._asked(last.condition) if split else ""
         body = self.lines
         self.lines = []
         self._write_back()
         if split:
-            self._conditional(last, condition)
+            self._conditional(last, condition, asked)
         else:
             self._leave(last)
         tail, self.lines = self.lines, []
@@ -230,7 +205,7 @@ class _Block:
         last = self.instructions[-1]
         if last.condition is Condition.AL or not self._branches():
             return []
-        self.lines, self.flags, self.read, self.written = [], None, set(), set()
+        self.lines, self.flags, self.read, self.written, self.answers = [], None, set(), set(), {}
         self._operations(last, self.live)
         body, self.lines = self.lines, []
         self._write_back()
@@ -247,7 +222,7 @@ class _Block:
         after, live = [], self.live
         for instruction in reversed(self.instructions):
             after.append(live)
-            live = _instruction_before(instruction, live)
+            live = instruction_before(instruction, live)
         return after[::-1]
 
     def _write_back(self) -> None:
@@ -257,15 +232,20 @@ class _Block:
             self.emit(f"r[{register}] = r{register}")
         if 13 in self.written:
             self.emit("if type(r13) is Stack and r13.offset < r[21]: r[21] = r13.offset")
+            self.emit("elif type(r13) is Stacks: raise Lost('the depth of the stack is not known')")
 
-    def _conditional(self, last: Instruction, condition: str) -> None:
+    def _conditional(self, last: Instruction, condition: str, asked: str) -> None:
         """The end of a block that may fall through."""
+        self.emit(f"try: go = {condition}")
+        self.emit("except Undecided:")
+        self.emit(f"    r[22] = ({asked})")
+        self.emit("    raise")
         fall = self.order.fall[self.block]
         static = not last.ops and not isinstance(last.flow, IndirectJump | IndirectCall | TableJump)
         if static and len(self.order.taken[self.block]) == 1 and len(fall) == 1:
-            self.emit(f"return {self.order.taken[self.block][0]} if {condition} else {fall[0]}")
+            self.emit(f"return {self.order.taken[self.block][0]} if go else {fall[0]}")
             return
-        self.emit(f"if {condition}: return t{self.block}(r)")
+        self.emit(f"if go: return t{self.block}(r)")
         self.emit(f"return {fall[0] if fall else NOWHERE}")
 
     def _leave(self, last: Instruction) -> None:
@@ -274,7 +254,12 @@ class _Block:
             taken, fall = self.order.taken[self.block], self.order.fall[self.block]
             test = "!=" if last.flow.nonzero else "=="
             taken, fall = taken or (NOWHERE,), fall or (NOWHERE,)
-            self.emit(f"return {taken[0]} if r[{last.flow.register}] {test} 0 else {fall[0]}")
+            self.emit(f"word = r[{last.flow.register}]")
+            self.emit(f"try: go = word {test} 0")
+            self.emit("except Undecided:")
+            self.emit(f"    r[22] = (Flags(Source.RESULT, word), 0, {last.flow.nonzero})")
+            self.emit("    raise")
+            self.emit(f"return {taken[0]} if go else {fall[0]}")
             return
         self._ways(last)
 
@@ -305,20 +290,34 @@ class _Block:
         return f"r[{register}]" if register < 16 else f"r{register}"
 
     # ------------------------------------------------------------------------------------------------ instructions
-    def _instruction(self, instruction: Instruction, live: int) -> None:
+    def _instruction(self, instruction: Instruction, live: int, position: int) -> None:
+        self._conditionally(instruction, live, position)
+        if sets_flags(instruction):
+            self.answers = {}
+
+    def _conditionally(self, instruction: Instruction, live: int, position: int) -> None:
         if isinstance(instruction.flow, SupervisorCall):
             self.emit("raise Lost('a supervisor call')")
         if instruction.condition is Condition.AL:
             self._operations(instruction, live)
             return
-        sets = any(isinstance(op, SetFlags | SetCarry) for op in instruction.ops)
+        sets = sets_flags(instruction)
+        code = instruction.condition.value & ~1
         condition = self._condition(instruction.condition)
         if sets:
             self._settle()
         targets = written(instruction)
-        self.read |= targets
+        sources = sources_of(instruction.ops) - targets
+        self.read |= targets | sources
+        asked = self._asked(instruction.condition)
         self.emit(f"try: go = bool({condition})")
-        self.emit("except Undecided: go = None")
+        apart = position in self.shared and code not in self.answers
+        if apart:
+            self._ask(asked, position)
+            self.answers[code] = f"k{position}"
+            self.emit(f"k{position} = {'not go' if instruction.condition.value & 1 else 'go'}")
+        else:
+            self.emit("except Undecided: go = None")
         before, flags = self.written.copy(), self.flags
         self.emit("if go:")
         self.depth += 1
@@ -328,26 +327,53 @@ class _Block:
             self._settle()
         self.depth -= 1
         self.flags = flags
+        if apart:
+            self.flags = None if sets else flags
+            self.written |= before
+            return
         self.emit("elif go is None:")
         self.depth += 1
         self.emit("old = r[16:20]")
-        for register in sorted(targets):
-            self.emit(f"o{register} = r{register}")
+        self.emit(f"yes, no = sides({asked})")
+        for register in sorted(targets | sources):
+            other = f"no.get(id(r{register}), r{register})" if register in targets else f"r{register}"
+            self.emit(f"o{register} = {other}")
+            self.emit(f"r{register} = yes.get(id(r{register}), r{register})")
         self._operations(instruction, live, maybe=True)
         if sets:
             self._settle()
             self.emit("r[16:20] = [merge(a, b) for a, b in zip(old, r[16:20])]")
         for register in sorted(targets):
             self.emit(f"r{register} = merge(o{register}, r{register})")
+        for register in sorted(sources):
+            self.emit(f"r{register} = o{register}")
         self.depth -= 1
         self.flags = None if sets else flags
         self.written |= before
 
+    def _ask(self, asked: str, position: int) -> None:
+        """Take what is assumed of a condition that is not decided, and what that tells of the words in use."""
+        self.emit("except Undecided:")
+        self.depth += 1
+        self.emit(f"go = None if r[23] is None else r[23].get({position})")
+        self.emit(f"asked = ({asked})")
+        self.emit("if go is None:")
+        self.emit(f"    r[22] = (*asked, {position})")
+        self.emit("    raise")
+        self.emit("told = sides(*asked)[not go]")
+        self.emit("for i in range(15): r[i] = told.get(id(r[i]), r[i])")
+        names = [f"r{register}" for register in sorted(self.read | self.written)]
+        names += [name for name in (self.flags or ())[1:] if name != "None"]
+        for name in names:
+            self.emit(f"{name} = told.get(id({name}), {name})")
+        self.depth -= 1
+
     def _operations(self, instruction: Instruction, live: int, maybe: bool = False) -> None:
         after, now = [], live
+        self.expected = None
         for op in reversed(instruction.ops):
             after.append(now)
-            now = _op_before(op, now, True)
+            now = op_before(op, now, True)
         for index, (op, needed) in enumerate(zip(instruction.ops, reversed(after), strict=True)):
             self._operation(instruction, index, op, needed, maybe)
 
@@ -357,13 +383,14 @@ class _Block:
                 if op.op in (Op.ADC, Op.SBC, Op.RRX):
                     self._settle_carry()
                 self.emit(f"{self._target(op.dst)} = {self._expression(op)}")
+                if self.expected == (op.op.name, op.a, op.b):
+                    self.emit(f"z{self.names} = r{op.dst}")
+                    self.flags = (*self.flags[:3], f"z{self.names}") if self.flags else None
             case Load(_, address, size, is_signed):
-                name = {1: "load_byte", 2: "load_half", 4: "load"}[size]
-                text = f"{name}({self._use(address)}, {self.sites.of(instruction, index)})"
-                if is_signed and size < 4:
-                    top = 1 << 8 * size - 1
-                    text = f"(({text} ^ {top}) - {top}) & {_M}"
-                self.emit(f"{self._target(op.dst)} = {text}")
+                name = {1: "byte", 2: "half", 4: ""}[size]
+                name = "load" if size == 4 else f"load_signed_{name}" if is_signed else f"load_{name}"
+                access = f"{name}({self._use(address)}, {self.sites.of(instruction, index)})"
+                self.emit(f"{self._target(op.dst)} = {access}")
             case Store(address, value, size):
                 self._store(instruction, index, self._use(address), self._use(value), size, maybe)
             case StoreUnknown(address, size):
@@ -373,7 +400,7 @@ class _Block:
             case SetFlags(kind, a, b):
                 self._set_flags(kind, a, b, needed)
             case SetCarry(shift, value, amount):
-                if needed & _CV:
+                if needed & CV:
                     if self.flags is not None and self.flags[0] != "LOGIC":
                         self._settle()
                     terms = f"ShiftKind.{shift.name}, {self._use(value)}, {self._use(amount)}"
@@ -417,7 +444,7 @@ class _Block:
                 return f"({a} << {amount}) & {_M}" if amount < 32 else "0"
             if op.op is Op.LSR:
                 return f"{a} >> {amount}"
-            return f"(({a} ^ {_H}) - {_H} >> {amount}) & {_M}"
+            return f"shift_right_signed({a}, {amount})"
         return f"binary(Op.{op.op.name}, {a}, {b})"
 
     # ------------------------------------------------------------------------------------------------ flags
@@ -427,20 +454,21 @@ class _Block:
             case FlagKind.SUB | FlagKind.ADD:
                 self.names += 1
                 self.emit(f"x{self.names} = {first}; y{self.names} = {second}")
-                self.flags = (kind.name, f"x{self.names}", f"y{self.names}")
+                self.flags = (kind.name, f"x{self.names}", f"y{self.names}", "None")
+                self.expected = (kind.name, a, b)
             case FlagKind.LOGIC:
-                if self.flags is not None and self.flags[0] != "LOGIC" and needed & _CV:
+                if self.flags is not None and self.flags[0] != "LOGIC" and needed & CV:
                     self._settle()
                 self.names += 1
                 self.emit(f"x{self.names} = {first}")
                 self.flags = ("LOGIC", f"x{self.names}")
             case FlagKind.WIDE:
                 self._settle()
-                self.emit(f"r[16:18] = sign_and_zero_wide({first}, {second})")
+                self.emit(f"r[16:18] = of_wide({first}, {second})")
                 self.flags = None
             case FlagKind.ADC | FlagKind.SBC:
                 self._settle_carry()
-                name = "flags_of_sum" if kind is FlagKind.ADC else "flags_with_borrow"
+                name = "of_sum_with_carry" if kind is FlagKind.ADC else "of_difference_with_borrow"
                 self.emit(f"r[16:20] = {name}({first}, {second}, r[18])")
                 self.flags = None
             case _:
@@ -454,19 +482,37 @@ class _Block:
     def _settle(self) -> None:
         """Put all flags into their slots."""
         match self.flags:
-            case ("SUB", a, b):
-                self.emit(f"r[16:20] = flags_of_difference({a}, {b})")
-            case ("ADD", a, b):
-                self.emit(f"r[16:20] = flags_of_sum({a}, {b})")
+            case ("SUB", a, b, result):
+                self.emit(f"r[16:20] = of_difference({a}, {b}, {result})")
+            case ("ADD", a, b, result):
+                self.emit(f"r[16:20] = of_sum({a}, {b}, {result})")
             case ("LOGIC", a):
-                self.emit(f"r[16:18] = sign_and_zero({a})")
+                self.emit(f"r[16:18] = of_result({a})")
         self.flags = None
+
+    def _asked(self, condition: Condition) -> str:
+        """What a condition asks, for slot ASKED."""
+        code, negated = condition.value & ~1, bool(condition.value & 1)
+        match self.flags:
+            case ("SUB", a, b, result):
+                source = f"Flags(Source.DIFFERENCE, {a}, {b}, {result})"
+            case ("ADD", a, b, result):
+                source = f"Flags(Source.SUM, {a}, {b}, {result})"
+            case ("LOGIC", a) if code in (0, 4):
+                source = f"Flags(Source.RESULT, {a})"
+            case None:
+                source = f"told_by({code}, r[16], r[17], r[18], r[19])"
+            case _:
+                source = "None"
+        return f"{source}, {code}, {negated}"
 
     def _condition(self, condition: Condition) -> str:
         """An expression that is true when the condition holds; evaluating it may raise Undecided."""
         if condition is Condition.AL:
             return "True"
         code, negated = condition.value & ~1, condition.value & 1
+        if code in self.answers:
+            return f"not {self.answers[code]}" if negated else self.answers[code]
         text = self._from_operands(code)
         if text is None:
             self._settle()
@@ -475,23 +521,23 @@ class _Block:
 
     def _from_operands(self, code: int) -> str | None:
         match self.flags, code:
-            case ("SUB", a, b), 0:
+            case ("SUB", a, b, _), 0:
                 return f"{a} == {b}"
-            case ("SUB", a, b), 2:
+            case ("SUB", a, b, _), 2:
                 return f"{a} >= {b}"
-            case ("SUB", a, b), 4:
+            case ("SUB", a, b, _), 4:
                 return f"({a} - {b}) & {_H}"
-            case ("SUB", a, b), 8:
+            case ("SUB", a, b, _), 8:
                 return f"{a} > {b}"
-            case ("SUB", a, b), 10:
+            case ("SUB", a, b, _), 10:
                 return f"({a} ^ {_H}) >= ({b} ^ {_H})"
-            case ("SUB", a, b), 12:
+            case ("SUB", a, b, _), 12:
                 return f"({a} ^ {_H}) > ({b} ^ {_H})"
-            case ("ADD", a, b), 0:
+            case ("ADD", a, b, _), 0:
                 return f"({a} + {b}) & {_M} == 0"
-            case ("ADD", a, b), 2:
-                return f"{a} + {b} > {_M}"
-            case ("ADD", a, b), 4:
+            case ("ADD", a, b, _), 2:
+                return f"overflows({a}, {b})"
+            case ("ADD", a, b, _), 4:
                 return f"({a} + {b}) & {_H}"
             case ("LOGIC", a), 0:
                 return f"{a} == 0"

@@ -1,87 +1,64 @@
-"""The run of a program: functions call each other as the binary says, block by block, and every path that an unknown
-value leaves open is followed up to where the paths meet again."""
+"""The run of a program: functions call each other as the binary says, block by block.
+
+Where a condition depends on an unknown value, the paths are followed apart until they come to the same block in the
+same iteration of all loops around it; there they become one path, which covers both. The path that is furthest behind
+goes on first, so that as many as possible meet: as in Gustafsson, Ermedahl, Sandberg, Lisper, "Automatic derivation of
+loop bounds and infeasible paths for WCET analysis using abstract execution" (RTSS 2006).
+"""
 
 from __future__ import annotations
 
 import sys
-from dataclasses import dataclass, field
+from heapq import heappop, heappush
 from time import monotonic
 from typing import Any
 
-from mauve.wcet.binary.graph import EXIT, Cfg, EdgeKind
-from mauve.wcet.binary.loops import LoopNest
-from mauve.wcet.binary.microop import (
-    CompareBranch,
-    IndirectCall,
-    IndirectJump,
-    Stop,
-    Store,
-    StoreUnknown,
-)
-from mauve.wcet.flow.order import Order
+from mauve.wcet.binary.graph import EXIT, EdgeKind
+from mauve.wcet.binary.microop import CompareBranch, IndirectCall, IndirectJump, Stop
+from mauve.wcet.flow import domain
 from mauve.wcet.flow.run.behaviour import Behaviours
-from mauve.wcet.flow.run.compile import DEPTH, DYNAMIC, TARGET, Compiled, Sites, compile_function
-from mauve.wcet.flow.run.float_text import FLOAT_MODE, SLOTS, written
-from mauve.wcet.flow.run.meeting import meeting_points
-from mauve.wcet.flow.run.memory import Cell, Lost, Memory
-from mauve.wcet.flow.run.words import UNKNOWN, Stack, Undecided, merge
+from mauve.wcet.flow.run.compile import ASKED, ASSUMED, DEPTH, DYNAMIC, TARGET, Sites
+from mauve.wcet.flow.run.flags import Flags
+from mauve.wcet.flow.run.float_text import FLOAT_MODE, SLOTS
+from mauve.wcet.flow.run.frames import (
+    END,
+    Ended,
+    Frame,
+    Function,
+    Impossible,
+    Place,
+    Several,
+    Unresolved,
+    Way,
+    prepare,
+)
+from mauve.wcet.flow.run.layers import Layer, branch, release
+from mauve.wcet.flow.run.memory import Lost, Memory
+from mauve.wcet.flow.run.narrow import Told, narrower, told, within
+from mauve.wcet.flow.run.paths import Counters, Meeting, Path, includes, widen
+from mauve.wcet.flow.run.remembered import ARGUMENTS, MOST_APART, RESULTS, Call, computed, result_of
+from mauve.wcet.flow.run.words import UNKNOWN, Some, Stack, Undecided, Word, fresh, is_wild, made
 
-MOST_DEPTH, MOST_FORKS = 1_500, 2_000
-"""Calls, and decisions left open, inside each other."""
-PATIENCE = 70
-"""Decisions inside each other that a branch may leave open before its loop is summarised."""
+MOST_DEPTH = 1_500
+"""Calls inside each other."""
+OFTEN = 4_000
+"""Instructions after which the clock is looked at."""
+FORK = 1_000
+"""A fork counts as so many instructions."""
+LOOKING, ASKING, PATIENCE, FEW = 24, 400, 3_000, 40
+"""Iterations of a loop that unknown values do not end: after so many it is compared with earlier ones, then a proof of
+its bound is asked for, and then (after few, for one that was found to go on before) all values are followed at once."""
+MOST_TARGETS = 64
+"""Places that an indirect branch may go to."""
 _FRAMES = 40_000
-"""How deep Python may nest calls: a call or a decision takes a handful of them."""
+"""How deep Python may nest calls: a call takes a handful of them."""
 
-
-class Ended(Exception):
-    """A path that does not come back: it ends in a trap or in a function that does not return."""
-
-
-class Unresolved(Exception):
-    """Control goes where the graphs have no edge: `args` are the address of the branch and the target, as a key."""
-
-
-@dataclass(slots=True)
-class Function:
-    """A function made ready. `plain[edge]` is the target of an edge that only leads from block to block, None for one
-    that counts for loops, calls or leaves; `starts` and `repeats` are the loops that an edge enters and repeats."""
-
-    key: int
-    cfg: Cfg
-    nest: LoopNest
-    order: Order
-    code: Compiled
-    sizes: list[int]
-    plain: list[int | None]
-    starts: dict[int, list[int]]
-    repeats: dict[int, list[int]]
-    group: int
-    meetings: list[int] | None = None
-
-
-@dataclass(slots=True)
-class Frame:
-    """One execution of a function: how often each edge was passed, the executions of each loop's header since it was
-    entered and the most of them, what was called, and where it may return to (addresses; None: anywhere)."""
-
-    function: Function
-    counts: list[int]
-    current: list[int]
-    most: list[int]
-    calls: dict[int, frozenset[int]] = field(default_factory=dict)
-    back: frozenset[int] | None = None
-    open: dict[int, int] = field(default_factory=dict)
-    """decisions inside each other that each block has left open"""
-
-    def snapshot(self) -> tuple[list[int], list[int], list[int], dict[int, frozenset[int]]]:
-        """The counters."""
-        return self.counts.copy(), self.current.copy(), self.most.copy(), self.calls.copy()
+_GONE = Layer(None)
+"""Stands for the memory of no path."""
 
 
 class Machine:
-    """One run. `limit` bounds the instructions executed, `deadline` the time (of time.monotonic). `forked` are the
-    blocks, by function, from which several ways were followed."""
+    """One run. `limit` bounds the work done, in instructions, `deadline` the time (of time.monotonic)."""
 
     def __init__(
         self, source: Any, memory: Memory, behaviours: Behaviours, limit: int, deadline: float | None
@@ -89,114 +66,154 @@ class Machine:
         self.source, self.memory, self.behaviours = source, memory, behaviours
         self.sites = Sites(memory)
         self.functions: dict[int, Function] = {}
-        self.registers: list[Any] = [UNKNOWN] * SLOTS
-        self.registers[13] = Stack(0)
-        self.registers[FLOAT_MODE] = 0
-        self.steps, self.limit, self.deadline = 0, limit, deadline
+        self.registers: list[Any] = []
+        self.steps, self.limit, self.deadline, self.look_again = 0, limit, deadline, 0
         self.targets: dict[int, set[int]] = {}
-        self.depth = self.forks = 0
-        self.forked: set[tuple[int, int]] = set()
+        self.depth = 0
         self.active: dict[int, int] = {}
 
     def run(self, entry: int) -> int:
         """Run from an entry (a key) to its return: the number of its behaviour. Raises Lost or Unresolved."""
+        self.registers = [*(fresh() for _ in range(16)), *[UNKNOWN] * (SLOTS - 16)]
+        self.registers[13], self.registers[DEPTH], self.registers[FLOAT_MODE] = Stack(0), 0, 0
+        self.registers[ASKED] = self.registers[ASSUMED] = None
         before = sys.getrecursionlimit()
         sys.setrecursionlimit(max(before, _FRAMES))
         try:
             return self._call(entry, None)
-        except Ended:
+        except (Ended, Impossible):
             raise Lost("the program does not return") from None
         finally:
             sys.setrecursionlimit(before)
 
     # ------------------------------------------------------------------------------------------------ calls
+    def _function(self, key: int) -> Function:
+        if key not in self.functions:
+            self.functions[key] = prepare(key, self.source, self.sites)
+        return self.functions[key]
+
     def _call(self, key: int, back: frozenset[int] | None) -> int:
-        function = self.functions.get(key) or self._prepare(key)
-        frame = Frame(
-            function,
-            [0] * len(function.cfg.edges),
-            [0] * len(function.nest.loops),
-            [0] * len(function.nest.loops),
-            back=back,
-        )
+        """Execute a function, or recall what came of it: the number of its behaviour."""
+        function = self._function(key)
+        if not self.source.enter(key, self.registers, self.memory):
+            raise Impossible
+        simple = back is not None and len(back) == 1
+        arguments = [self.registers[number] for number in ARGUMENTS]
+        if not simple or not function.closed or all(type(word) is int for word in arguments):
+            return self._execute(function, back)[0]
+        found = next((call for call in function.calls if call.holds_for(self.registers)), None)
+        if found is None:
+            found, number = self._remember(function, back)
+            if found is None:
+                return number
+        else:
+            self._recall(found)
+        if function.helper is not None:
+            for register, values in enumerate(computed(function.helper, *arguments[:2])):
+                word = self.registers[register]
+                if values is not None and type(word) is Some:
+                    self.registers[register] = within(word, values)
+        return found.behaviour
+
+    def _remember(self, function: Function, back: frozenset[int] | None) -> tuple[Call | None, int]:
+        """Execute a closed function, once for all arguments if it was often executed for some; what came of it."""
+        if len(function.calls) >= MOST_APART:
+            for number in ARGUMENTS:
+                if not is_wild(self.registers[number]):
+                    self.registers[number] = fresh()
+        before, top = self.registers[:], self.memory.top_read
+        self.memory.top_read = -(1 << 62)
+        number, used = self._execute(function, back)
+        own = self.memory.top_read < before[13].offset if type(before[13]) is Stack else False
+        self.memory.top_read = max(self.memory.top_read, top)
+        found = result_of(before, self.registers, number, used) if own else None
+        if found is not None:
+            function.calls.append(found)
+        return found, number
+
+    def _recall(self, found: Call) -> None:
+        """Put the results of a call into the registers."""
+        registers = self.registers
+        for number, values in zip(RESULTS, found.results, strict=True):
+            registers[number] = made(values)
+        registers[14] = fresh()
+        registers[16:20] = [UNKNOWN] * 4
+        if type(registers[13]) is Stack:
+            registers[DEPTH] = min(registers[DEPTH], registers[13].offset - found.used)
+
+    def _execute(self, function: Function, back: frozenset[int] | None) -> tuple[int, int]:
+        """Execute a function: its behaviour and the bytes of stack that it used."""
+        loops = len(function.nest.loops)
+        frame = Frame(function, Counters([0] * len(function.cfg.edges), [0] * loops, [0] * loops, {}), back)
         for loop in function.nest.loops:
             if loop.header == function.cfg.entry:
-                frame.current[loop.id] = frame.most[loop.id] = 1
-        registers = self.registers
-        depth, sp = registers[DEPTH], registers[13]
-        registers[DEPTH] = start = sp.offset if type(sp) is Stack else 0
+                frame.now.current[loop.id] = frame.now.most[loop.id] = 1
+        depth, sp = self.registers[DEPTH], self.registers[13]
+        self.registers[DEPTH] = start = sp.offset if type(sp) is Stack else 0
         self.depth += 1
         if self.depth > MOST_DEPTH:
             raise Lost("calls are nested too deeply")
         level = self.active[function.group] = self.active.get(function.group, 0) + 1
-        self._follow(frame, function.cfg.entry, None)
-        self.active[function.group] = level - 1
-        self.depth -= 1
-        used = start - registers[DEPTH]
-        registers[DEPTH] = depth
-        return self.behaviours.note(function, level, frame, used)
-
-    def _prepare(self, key: int) -> Function:
-        cfg, nest, order, group = self.source.function(key)
-        if nest.irreducible or not cfg.blocks:
-            raise Lost(f"{cfg.name} has loops with several entries" if cfg.blocks else f"{cfg.name} is no code")
-        starts: dict[int, list[int]] = {}
-        repeats: dict[int, list[int]] = {}
-        for loop in nest.loops:
-            for edge in loop.entry_edges:
-                starts.setdefault(edge, []).append(loop.id)
-            for edge in loop.back_edges:
-                repeats.setdefault(edge, []).append(loop.id)
-        plain: list[int | None] = []
-        for index, edge in enumerate(cfg.edges):
-            through = edge.kind in (EdgeKind.FALL, EdgeKind.TAKEN, EdgeKind.SWITCH)
-            special = index in starts or index in repeats or not through or edge.target == EXIT
-            plain.append(None if special else edge.target)
-        sizes = [len(block.instructions) for block in cfg.blocks]
-        code = compile_function(order, self.sites)
-        made = Function(key, cfg, nest, order, code, sizes, plain, starts, repeats, group)
-        self.functions[key] = made
-        return made
+        try:
+            self._follow(frame, function.cfg.entry)
+        finally:
+            for path in frame.kept.values():
+                release(path.layer)
+            self.active[function.group] = level - 1
+            self.depth -= 1
+        used = start - self.registers[DEPTH]
+        self.registers[DEPTH] = min(depth, self.registers[DEPTH])
+        return self.behaviours.note(function, level, frame, used), used
 
     # ------------------------------------------------------------------------------------------------ blocks
-    def _follow(self, frame: Frame, block: int, stop: int | None) -> int:
-        """Go on from a block until control leaves the function (EXIT) or comes to the block `stop`."""
+    def _follow(self, frame: Frame, block: int) -> None:
+        """Go on from a block until all paths have left the function."""
         function, registers = frame.function, self.registers
-        blocks, sizes, plain, counts = function.code.blocks, function.sizes, function.plain, frame.counts
+        blocks, sizes, plain, counts = function.code.blocks, function.sizes, function.plain, frame.now.counts
         while True:
             self.steps += sizes[block]
-            if self.steps > self.limit:
-                self._check_time()
             try:
                 edge = blocks[block](registers)
                 if edge < 0:
                     edge = self._dynamic(frame, block)
-            except Undecided:
-                block = self._fork(frame, block)
-                counts = frame.counts
-            else:
                 target = plain[edge]
                 if target is None:
-                    try:
-                        block = self._pass(frame, block, edge)
-                    except Undecided:
-                        block = self._fork(frame, block)
-                        counts = frame.counts
+                    block = self._pass(frame, block, Way(edge))
                 else:
                     counts[edge] += 1
                     block = target
-            if block in (stop, EXIT):
-                return block
+            except (Undecided, Several) as open_:
+                self._fork(frame, block, open_.args if type(open_) is Several else ())
+                block = self._next(frame)
+            except (Ended, Impossible) as over:
+                if not frame.waiting:
+                    raise
+                self._leave(frame, counts=type(over) is Ended)
+                block = self._next(frame)
+            else:
+                if frame.waiting:
+                    block = self._meet(frame, block)
+            if block == EXIT:
+                break
+            registers, counts = self.registers, frame.now.counts
+        if frame.ended is not None:
+            frame.now.join(frame.ended)
+        for loop, limit in frame.proven.items():
+            frame.now.most[loop] = max(frame.now.most[loop], limit)
 
     def _check_time(self) -> None:
-        raise Lost("the run takes more steps than allowed")
+        self.look_again = self.steps + OFTEN
+        if self.steps > self.limit:
+            raise Lost("the run takes more steps than allowed")
+        if self.deadline is not None and monotonic() > self.deadline:
+            raise Lost("the run takes more time than allowed")
 
-    def _pass(self, frame: Frame, block: int, index: int, chosen: bool = False) -> int:
-        """Pass along an edge that does more than lead on; `chosen`: that one, where a call may come back on several."""
-        function = frame.function
+    def _pass(self, frame: Frame, block: int, way: Way) -> int:
+        """Pass along an edge that does more than lead on."""
+        function, index = frame.function, way.edge
         edge = function.cfg.edges[index]
         if edge.kind is EdgeKind.STOP:
-            frame.counts[index] += 1
+            frame.now.counts[index] += 1
             if not edge.callees and not isinstance(function.cfg.blocks[block].instructions[-1].flow, Stop):
                 place = function.cfg.blocks[block].instructions[-1].address
                 raise Lost(f"control leaves the code that is known at {place:#x} in {function.cfg.name}")
@@ -204,32 +221,59 @@ class Machine:
         if edge.target == block and function.sizes[block] == 1 and not function.cfg.blocks[block].instructions[0].ops:
             raise Ended
         if edge.kind is EdgeKind.CALL:
-            index = self._through(frame, block, index, chosen)
+            index = self._through(frame, block, index, way.through is not None)
             edge = function.cfg.edges[index]
-        frame.counts[index] += 1
-        for loop in function.starts.get(index, ()):
-            frame.current[loop] = 1
-            frame.most[loop] = max(frame.most[loop], 1)
+        now = frame.now
         for loop in function.repeats.get(index, ()):
-            frame.current[loop] += 1
-            if frame.current[loop] > frame.most[loop]:
-                frame.most[loop] = frame.current[loop]
+            self._repeat(frame, loop)
+        now.counts[index] += 1
+        for loop in function.starts.get(index, ()):
+            now.current[loop] = 1
+            now.most[loop] = max(now.most[loop], 1)
+            frame.open[loop] = 0
+            kept = frame.kept.pop(loop, None)
+            if kept is not None:
+                release(kept.layer)
         if edge.kind is EdgeKind.TAIL_CALL:
             self._note(frame, index, self._call(self._callee(edge.callees), frame.back))
-        if self.deadline is not None and self.steps & 15 == 0 and monotonic() > self.deadline:
-            raise Lost("the run takes more time than allowed")
+        if self.steps > self.look_again:
+            self._check_time()
         return edge.target
+
+    def _repeat(self, frame: Frame, loop: int) -> None:
+        """One more iteration of a loop. Raises Impossible where a proof says that there is none."""
+        now = frame.now
+        count = now.current[loop] + 1
+        if frame.open.get(loop, 0) > ASKING or loop in frame.function.limits:
+            limit = self._limit(frame.function, loop)
+            if limit is not None and count > limit:
+                raise Impossible
+        now.current[loop] = count
+        if count > now.most[loop]:
+            now.most[loop] = count
+
+    def _limit(self, function: Function, loop: int) -> int | None:
+        """A bound of a loop, whatever the function is called with."""
+        if loop not in function.limits:
+            function.limits[loop] = self.source.bound(function.key, loop)
+        return function.limits[loop]
 
     def _callee(self, callees: tuple[int, ...]) -> int:
         if len(callees) == 1:
             return callees[0]
         target = self.registers[TARGET]
         if type(target) is not int:
-            raise Lost("a call goes through an unknown pointer")
+            raise Several(*self._choices(target))
         for key in callees:
             if key & ~1 == target & ~1:
                 return key
         raise Lost("a call goes to no known function")
+
+    def _choices(self, target: Word) -> tuple[int, ...]:
+        """The places to which a pointer may lead. Raises Lost."""
+        if type(target) is Some and target.range.size <= MOST_TARGETS:
+            return tuple(target.range.members())
+        raise Lost("control goes through an unknown pointer")
 
     def _through(self, frame: Frame, block: int, index: int, chosen: bool) -> int:
         """Make the call of an edge: the edge on which control comes back (a helper may come back elsewhere)."""
@@ -240,7 +284,7 @@ class Machine:
         if isinstance(flow, IndirectCall | IndirectJump):
             target = self.registers[TARGET]
             if type(target) is not int:
-                raise Lost("a call goes through an unknown pointer")
+                raise Several(*self._choices(target))
             address = function.cfg.blocks[block].instructions[-1].address
             known = next((key for key in callees if key & ~1 == target & ~1), None)
             exchanges = flow.exchanges
@@ -251,25 +295,30 @@ class Machine:
             key = self._callee(callees)
         ways = [i for i in function.order.taken[block] if edges[i].kind is EdgeKind.CALL and edges[i].target != EXIT]
         places = {function.cfg.blocks[edges[i].target].address: i for i in ways}
-        before = self.registers[:] if len(places) > 1 else None
+        if len(places) < 2 or chosen:
+            self._note(frame, index, self._call(key, frozenset(places)))
+            return index
+        before, layer = self.registers[:], self.memory.layer
+        self.memory.enter(Layer(layer))
         behaviour = self._call(key, frozenset(places))
-        if before is not None:
-            arrived = self.registers[TARGET]
-            if type(arrived) is int:
-                index = places[arrived & ~1]
-            elif not chosen:
-                self.registers[:] = before
-                raise Undecided
+        arrived = self.registers[TARGET]
+        if type(arrived) is not int:
+            self._drop()
+            self.registers = before
+            self.memory.enter(layer)
+            raise Undecided
+        release(layer)
+        index = places[arrived & ~1]
         self._note(frame, index, behaviour)
         return index
 
     def _note(self, frame: Frame, index: int, behaviour: int) -> None:
         """Remember what was called on an edge."""
-        known = frame.calls.get(index)
+        known = frame.now.calls.get(index)
         if known is None:
-            frame.calls[index] = frozenset((behaviour,))
+            frame.now.calls[index] = frozenset((behaviour,))
         elif behaviour not in known:
-            frame.calls[index] = known | {behaviour}
+            frame.now.calls[index] = known | {behaviour}
 
     def _dynamic(self, frame: Frame, block: int) -> int:
         """The edge to where an indirect branch goes. Raises Undecided where that depends on an unknown."""
@@ -285,8 +334,10 @@ class Machine:
             back = next((way for way in ways if edges[way].kind is EdgeKind.RETURN), None)
             if back is not None and (frame.back is None or len(frame.back) > 1):
                 return back
-            if all(edges[way].kind is EdgeKind.SWITCH for way in ways) and ways:
-                raise Undecided
+            if type(target) is Some and target.range.size <= MOST_TARGETS:
+                raise Several(*target.range.members())
+            if all(edges[way].kind is EdgeKind.SWITCH for way in ways) and ways and not is_wild(target):
+                raise Several(*(function.cfg.blocks[edges[way].target].address for way in ways))
             raise Lost("a branch goes to an unknown place")
         for way in ways:
             edge = edges[way]
@@ -299,124 +350,234 @@ class Machine:
         exchanges = isinstance(last.flow, IndirectJump | IndirectCall) and last.flow.exchanges
         raise Unresolved(last.address, target if exchanges else target & ~1 | last.thumb)
 
-    # ------------------------------------------------------------------------------------------------ forks
-    def _fork(self, frame: Frame, block: int) -> int:
-        """Follow all ways on from a block to where they meet, and go on there with what holds on all of them."""
-        function, registers, memory = frame.function, self.registers, self.memory
-        if function.meetings is None:
-            function.meetings = meeting_points(function.cfg)
-        meeting = function.meetings[block]
-        self.forks += 1
-        self.forked.add((function.key, block))
-        if self.forks > MOST_FORKS:
-            raise Lost("a loop goes on for as long as an unknown value says")
-        frame.open[block] = frame.open.get(block, 0) + 1
-        ways: list[tuple[int, int | None]] = [(way, None) for way in self._ways(frame, block)]
-        if frame.open[block] >= PATIENCE and (leaving := self._summarise(frame, block)):
-            ways = [(way, None) for way in leaving]
-        start, counters, outer = registers[:], frame.snapshot(), memory.journal
-        sides = []
-        for way, through in ways:
-            registers[:] = start
-            frame.counts, frame.current, frame.most = (part.copy() for part in counters[:3])
-            frame.calls = counters[3].copy()
-            journal: dict[int, Cell | None] = {}
-            memory.journal = journal
-            comes = True
+    # ------------------------------------------------------------------------------------------------ paths
+    def _place(self, frame: Frame, block: int) -> Place:
+        if block == EXIT:
+            return END
+        loops, last = frame.function.around[block]
+        if not loops:
+            return (last,)
+        place: list[int] = []
+        for where, loop in loops:
+            place += (where, frame.now.current[loop])
+        place.append(last)
+        return tuple(place)
+
+    def _meet(self, frame: Frame, block: int) -> int:
+        """Come to a block while other paths wait: go on with the path that is furthest behind."""
+        place = self._place(frame, block)
+        if place < frame.places[0]:
             try:
-                self._side(frame, block, way, through, meeting)
-            except Ended:
-                comes = False
-            except Undecided:
-                ways += [(DYNAMIC, edge) for edge in function.order.taken[block]]
+                return self._arrive(frame, block)
+            except Impossible:
+                self._leave(frame, counts=False)
+        else:
+            self._wait(frame, block, place)
+        return self._next(frame)
+
+    def _wait(self, frame: Frame, block: int, place: Place) -> None:
+        """Let the path that is followed wait at a block, together with one that waits there already."""
+        path = Path(block, self.registers, self.memory.layer, frame.now)
+        other = frame.waiting.get(place)
+        if other is None:
+            frame.waiting[place] = path
+            heappush(frame.places, place)
+        else:
+            frame.waiting[place] = Meeting(self.memory).join(other, path)
+
+    def _next(self, frame: Frame) -> int:
+        """Go on with the path that is furthest behind: the block where it is. Raises Ended where no path is left."""
+        while frame.places:
+            path = frame.waiting.pop(heappop(frame.places))
+            self._take(frame, path)
+            try:
+                return self._arrive(frame, path.block)
+            except Impossible:
+                self._leave(frame, counts=False)
+        raise Ended
+
+    def _take(self, frame: Frame, path: Path) -> None:
+        self.registers, frame.now = path.registers, path.counters
+        self.memory.enter(path.layer)
+
+    def _drop(self) -> None:
+        """Nothing needs the memory of the path that was followed any more."""
+        if self.memory.layer is not _GONE:
+            release(self.memory.layer)
+            self.memory.layer = _GONE
+
+    def _leave(self, frame: Frame, *, counts: bool) -> None:
+        """The path that is followed does not go on; what an execution did on it `counts` if there is one."""
+        self._drop()
+        if counts:
+            if frame.ended is None:
+                frame.ended = frame.now
+            else:
+                frame.ended.join(frame.now)
+
+    def _fork(self, frame: Frame, block: int, targets: tuple[int, ...]) -> None:
+        """Make all ways on from a block paths that wait."""
+        self.steps += FORK
+        if self.steps > self.look_again:
+            self._check_time()
+        asked = self.registers[ASKED] or (None, 0, False)
+        self.registers[ASKED] = None
+        self._count_open(frame, block)
+        if len(asked) > 3:
+            self._run_apart(frame, block, *asked)
+            return
+        self.registers[ASSUMED] = None
+        flags, code, negated = asked
+        start, layer, now = self.registers, self.memory.layer, frame.now
+        ways = [Way(DYNAMIC, target=target) for target in targets] or self._ways(frame, block)
+        for way in ways:
+            found = [] if way.holds is None or flags is None else told(flags, code, way.holds != negated)
+            if found is None:
                 continue
-            left = {key: memory.cells.get(key) for key in journal}
-            for key, value in journal.items():
-                if value is None:
-                    memory.cells.pop(key, None)
-                else:
-                    memory.cells[key] = value
-            sides.append((comes, registers[:], frame.snapshot(), journal, left))
-        memory.journal = outer
-        self.forks -= 1
-        frame.open[block] -= 1
-        self._meet(frame, sides)
-        return meeting
+            self.registers, frame.now = start[:], now.copy()
+            self.memory.enter(branch(layer))
+            self._narrow(found)
+            ways += self._try(frame, block, way, ways)
+        release(layer)
 
-    def _summarise(self, frame: Frame, block: int) -> list[int]:
-        """Make one step of a loop that goes on for as long as an unknown value says, where a bound is known anyhow and
-        it changes nothing but registers: the edges on which it is left; none where that cannot be done."""
-        function = frame.function
-        around = [loop for loop in function.nest.loops if block in loop.blocks]
-        loop = max(around, key=lambda loop: loop.depth, default=None)
-        if loop is None or any(other.parent == loop.id for other in function.nest.loops):
-            return []
-        changed = set(range(16, 20))
-        for member in loop.blocks:
-            for instruction in function.cfg.blocks[member].instructions:
-                if any(isinstance(op, Store | StoreUnknown) for op in instruction.ops):
-                    return []
-                changed |= written(instruction)
-        if 13 in changed:
-            return []
-        inside = [i for i, edge in enumerate(function.cfg.edges) if edge.source in loop.blocks]
-        if any(function.cfg.edges[i].kind is EdgeKind.CALL for i in inside):
-            return []
-        bound = self.source.bound(function.key, loop.id)
-        if bound is None:
-            return []
-        for register in changed:
-            self.registers[register] = UNKNOWN
-        for index in inside:
-            frame.counts[index] += bound
-        frame.most[loop.id] = max(frame.most[loop.id], bound)
-        return [i for i in inside if function.cfg.edges[i].target not in loop.blocks]
+    def _run_apart(self, frame: Frame, block: int, flags: Flags | None, code: int, negated: bool, number: int) -> None:
+        """Run a block again from its start, for each answer of a condition inside it."""
+        start, layer, now = self.registers, self.memory.layer, frame.now
+        for answer in (True, False):
+            if flags is not None and told(flags, code, answer != negated) is None:
+                continue
+            self.registers, frame.now = start[:], now.copy()
+            self.registers[ASSUMED] = {**(start[ASSUMED] or {}), number: answer}
+            self.memory.enter(branch(layer))
+            try:
+                edge = frame.function.code.blocks[block](self.registers)
+                self.registers[ASSUMED] = None
+                arrived = self._along(frame, block, self._dynamic(frame, block) if edge < 0 else edge, None)
+            except (Undecided, Several) as open_:
+                self._fork(frame, block, open_.args if type(open_) is Several else ())
+            except (Ended, Impossible) as over:
+                self._leave(frame, counts=type(over) is Ended)
+            else:
+                self._wait(frame, arrived, self._place(frame, arrived))
+        release(layer)
 
-    def _side(self, frame: Frame, block: int, way: int, through: int | None, meeting: int) -> None:
-        """Go one way from a block to the meeting point; `through` is the edge of a branch to an unknown place."""
-        depth, active = self.depth, self.active.copy()
+    def _try(self, frame: Frame, block: int, way: Way, ways: list[Way]) -> list[Way]:
+        """Go one way on from a block, to where the path waits; ways that turn out to be open instead."""
+        more: list[Way] = []
         try:
-            index = way
-            if way == DYNAMIC:
-                taken = frame.function.code.last[block]
-                assert taken is not None
-                index = taken(self.registers)
-                if index < 0:
-                    index = self._dynamic(frame, block) if through is None else through
-            target = self._pass(frame, block, index, True)
-            if target not in (meeting, EXIT):
-                self._follow(frame, target, meeting)
-        finally:
-            self.depth, self.active = depth, active
+            arrived = self._go(frame, block, way)
+        except (Ended, Impossible) as over:
+            self._leave(frame, counts=type(over) is Ended)
+        except Several as open_:
+            self._drop()
+            more = [Way(way.edge, way.holds, target) for target in open_.args]
+        except Undecided:
+            self._drop()
+            more = [Way(DYNAMIC, way.holds, way.target, edge) for edge in frame.function.order.taken[block]]
+        else:
+            self._wait(frame, arrived, self._place(frame, arrived))
+        return [one for one in more if one not in ways]
 
-    def _ways(self, frame: Frame, block: int) -> list[int]:
+    def _go(self, frame: Frame, block: int, way: Way) -> int:
+        """Go one way on from a block."""
+        edge = way.edge
+        if edge == DYNAMIC:
+            taken = frame.function.code.last[block]
+            if taken is not None and way.holds is not None:
+                edge = taken(self.registers)
+            if way.target is not None:
+                self.registers[TARGET] = way.target
+            if edge < 0:
+                edge = self._dynamic(frame, block) if way.through is None else way.through
+        elif way.target is not None:
+            self.registers[TARGET] = way.target
+        return self._along(frame, block, edge, way.through)
+
+    def _along(self, frame: Frame, block: int, edge: int, through: int | None) -> int:
+        """Pass along an edge: the block where it ends."""
+        target = frame.function.plain[edge]
+        if target is None:
+            return self._pass(frame, block, Way(edge, through=through))
+        frame.now.counts[edge] += 1
+        return target
+
+    def _narrow(self, found: Told) -> None:
+        """Put what a branch tells in the place of the words that it tells of."""
+        registers = self.registers
+        for word, values in found:
+            new = narrower(word, values)
+            base, moved = word.base, word.offset
+            for register in range(15):
+                old = registers[register]
+                if type(old) is not Some or old.base is not base:
+                    continue
+                if old is word:
+                    other: Word | None = new
+                else:
+                    kept = domain.meet(old.range, domain.shift(values, old.offset - moved))
+                    other = None if kept is None else narrower(old, kept)
+                if other is not None:
+                    registers[register] = other
+                    self.memory.narrow(old, other)
+            self.memory.narrow(word, new)
+
+    def _ways(self, frame: Frame, block: int) -> list[Way]:
         """The edges on which control may leave a block; DYNAMIC for what its last instruction does first."""
         order = frame.function.order
         last = frame.function.cfg.blocks[block].instructions[-1]
-        taken, fall = list(order.taken[block]), list(order.fall[block])
-        if isinstance(last.flow, CompareBranch) or not fall:
+        taken = [Way(edge, True) for edge in order.taken[block]]
+        fall = [Way(edge, False) for edge in order.fall[block]]
+        if isinstance(last.flow, CompareBranch):
             return taken + fall
-        return [*fall, DYNAMIC] if frame.function.code.last[block] is not None else taken + fall
+        if not fall:
+            return [Way(way.edge) for way in taken]
+        return [*fall, Way(DYNAMIC, True)] if frame.function.code.last[block] is not None else taken + fall
 
-    def _meet(self, frame: Frame, sides: list[Any]) -> None:
-        comes = [side for side in sides if side[0]]
-        counters = [side[2] for side in sides]
-        frame.counts = [max(values) for values in zip(*(c[0] for c in counters), strict=True)]
-        frame.current = [max(values) for values in zip(*(c[1] for c in counters), strict=True)]
-        frame.most = [max(values) for values in zip(*(c[2] for c in counters), strict=True)]
-        frame.calls = {}
-        for found in counters:
-            for edge, callees in found[3].items():
-                frame.calls[edge] = frame.calls.get(edge, frozenset()) | callees
-        if not comes:
-            raise Ended
-        first = comes[0][1]
-        for _, registers, _, _, _ in comes[1:]:
-            depth = min(first[DEPTH], registers[DEPTH])
-            first = [merge(a, b) for a, b in zip(first, registers, strict=True)]
-            first[DEPTH] = depth
-        self.registers[:] = first
-        self.memory.join([side[3] for side in comes], [side[4] for side in comes])
+    # ------------------------------------------------------------------------------------------------ long loops
+    def _count_open(self, frame: Frame, block: int) -> None:
+        """Note for the loops that are left from a block that an unknown value does not end them."""
+        for loop in frame.function.exits.get(block, ()):
+            frame.open[loop] = frame.open.get(loop, 0) + 1
+            frame.function.undecided.add(loop)
+
+    def _arrive(self, frame: Frame, block: int) -> int:
+        """Come to a block. At the header of a loop that goes on and on: raises Impossible where this iteration can do
+        nothing that an earlier one did not do, and has it cover all further ones in the end."""
+        loop = frame.function.headers.get(block)
+        if loop is None or frame.open.get(loop, 0) <= LOOKING:
+            return block
+        for slot in frame.function.code.stale[block]:
+            self.registers[slot] = UNKNOWN
+        count = frame.now.current[loop]
+        kept = frame.kept.get(loop)
+        path = Path(block, self.registers, self.memory.layer, frame.now)
+        if kept is not None:
+            patience = FEW if loop in frame.function.endless else PATIENCE
+            # Where less and less remains possible, an end may come.
+            if includes(self.memory, kept, path) and (count > patience or includes(self.memory, path, kept)):
+                self._goes_on(frame, loop)
+                raise Impossible
+            if count > patience:
+                path = widen(self.memory, kept, path)
+                frame.loose.add(loop)
+                self._take(frame, path)
+            elif count < 2 * kept.counters.current[loop]:
+                return block
+            release(kept.layer)
+        layer = self.memory.layer
+        frame.kept[loop] = Path(block, self.registers[:], layer, frame.now.copy())
+        self.memory.enter(Layer(layer))
+        return block
+
+    def _goes_on(self, frame: Frame, loop: int) -> None:
+        """Nothing new comes of further iterations of a loop."""
+        frame.loose.add(loop)
+        frame.function.endless.add(loop)
+        limit = self._limit(frame.function, loop)
+        if limit is None:
+            frame.endless.add(loop)
+        else:
+            frame.proven[loop] = limit
 
 
-__all__ = ["Machine", "Unresolved"]
+__all__ = ["Machine"]

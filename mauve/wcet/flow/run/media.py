@@ -7,7 +7,7 @@ selection is set.
 
 from __future__ import annotations
 
-from mauve.wcet.flow.run.words import MASK, SIGN, UNKNOWN, Undecided, Unknown, Word
+from mauve.wcet.flow.run.words import MASK, SIGN, UNKNOWN, WILD, Undecided, Unknown, Word, is_wild
 
 
 class Partial(Unknown):
@@ -36,7 +36,7 @@ class Partial(Unknown):
 
     __rand__ = __and__
 
-    def _lost(self, _other: object) -> Unknown:
+    def _lost(self, other: object) -> Unknown:
         return UNKNOWN
 
     __add__ = __radd__ = __sub__ = __rsub__ = __mul__ = __rmul__ = __lshift__ = __rlshift__ = _lost
@@ -74,7 +74,7 @@ _PARTS = {
 def media_parallel(prefix: str, shape: str, a: Word, b: Word) -> tuple[Word, Word]:
     """The result, and the four bits GE (of use for the prefixes s and u only)."""
     if type(a) is not int or type(b) is not int:
-        return UNKNOWN, UNKNOWN
+        return (WILD if is_wild(a) or is_wild(b) else UNKNOWN), UNKNOWN
     size, parts = _PARTS[shape]
     top, ones = 1 << size - 1, (1 << size) - 1
     result = greater = 0
@@ -103,6 +103,8 @@ def media_select(greater: Word, a: Word, b: Word) -> Word:
     """The bytes of a where GE is set, those of b where not."""
     if type(greater) is int and type(a) is int and type(b) is int:
         return a & _BYTES[greater] | b & ~_BYTES[greater]
+    if is_wild(a) or is_wild(b):
+        return WILD
     (first, x), (second, y) = _known(a), _known(b)
     if type(greater) is int:
         chosen = _BYTES[greater]

@@ -1,43 +1,80 @@
 """The memory of a run: words by address, the stack included, and what each access touched.
 
-A word is a value, or a list of four bytes where they do not make up one value. What was never written comes from the
-binary; an address outside of it may be a device: what is read there is unknown, what is written there is gone. While
-paths are followed apart, `journal` keeps the words that one of them replaced.
+What was never written comes from the binary; an address outside of it may be a device: what is read there is unknown,
+what is written there is gone. A store through an unknown pointer leaves nothing known of all that is writable but the
+stack.
 """
 
 from __future__ import annotations
 
 from bisect import bisect_right
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass
 
-from mauve.wcet.binary.elf import Binary
-from mauve.wcet.flow.run.words import MASK, UNKNOWN, Stack, Word, merge
+from mauve.wcet.binary.elf import Binary, Segment
+from mauve.wcet.flow import domain
+from mauve.wcet.flow.domain import BYTE, HALF, SIGNED_BYTE, SIGNED_HALF, TOP, Range
+from mauve.wcet.flow.run.layers import Cell, Half, Layer, Part, settled
+from mauve.wcet.flow.run.operations import extend_byte, extend_half
+from mauve.wcet.flow.run.words import MASK, UNKNOWN, WILD, Some, Stack, Stacks, Word, fresh, is_wild, made, merge
+
+Reader = Callable[[int], Word]
+"""What is read at a key."""
+
+Reading = Callable[[Word], Word]
 
 STACK = 1 << 40
 """The key of the word at sp as it is at the entry of the program."""
 
-Cell = Word | list[Word]
+DATA_END = STACK >> 1
+"""Keys from here on are the stack's."""
+
+MOST_PLACES = 4096
+"""Places that one access may touch; one that may touch more goes anywhere."""
 
 
 class Lost(Exception):
     """The run cannot go on: `args` say why."""
 
 
+@dataclass(frozen=True, slots=True)
+class Given:
+    """Memory from `start` up to but without `end` that does not start with what the binary holds: numbers of `width`
+    bytes out of a range, or any bytes where `width` is 0."""
+
+    start: int
+    end: int
+    width: int = 0
+    values: Range = BYTE
+
+
 class Memory:
     """See the module's description. `low` and `high` are the first and last byte that each site (an access of one
-    instruction) touched outside the stack, `wild` the sites that also touched something else. `unknown` are stretches
-    of addresses (from the first up to but without the second) that do not start with what the binary holds."""
+    instruction) touched outside the stack, `wild` the sites that also touched something else. `given` says where
+    memory does not start with what the binary holds."""
 
-    def __init__(self, binary: Binary, unaligned: bool, unknown: Sequence[tuple[int, int]] = ()) -> None:
-        self.cells: dict[int, Cell | None] = {}
-        self.journal: dict[int, Cell | None] | None = None
+    def __init__(self, binary: Binary, unaligned: bool, given: Sequence[Given] = ()) -> None:
+        self.layer = Layer(None)
+        self.cells = self.layer.cells
         self.low: list[int] = []
         self.high: list[int] = []
         self.wild: set[int] = set()
+        self.leaked = False
+        """whether an address in the stack was ever written outside of it"""
+        self.top_read = -(1 << 62)
+        """the greatest offset from the first sp that was read since this was set back"""
         self._segments = sorted(binary.segments, key=lambda segment: segment.address)
         self._starts = [segment.address for segment in self._segments]
         self._unaligned = unaligned
-        self._unknown = tuple(unknown)
+        self._ours: set[int] = set()
+        """words that were found to be the program's to write"""
+        self._given = tuple(sorted(given, key=lambda one: one.start))
+
+    def restart(self, given: Sequence[Given]) -> None:
+        """Memory as a program starts with it."""
+        self.layer = Layer(None)
+        self.cells = self.layer.cells
+        self._given = tuple(sorted(given, key=lambda one: one.start))
 
     def site(self) -> int:
         """A number for one more access."""
@@ -45,7 +82,12 @@ class Memory:
         self.high.append(-1)
         return len(self.low) - 1
 
-    # ------------------------------------------------------------------------------------------------ words
+    def enter(self, layer: Layer) -> None:
+        """Go on with the memory of a path."""
+        self.layer = settled(layer, DATA_END)
+        self.cells = self.layer.cells
+
+    # ------------------------------------------------------------------------------------------------ loads
     def load(self, address: Word, site: int) -> Word:
         """A word."""
         if type(address) is int:
@@ -53,218 +95,465 @@ class Memory:
                 self.low[site] = address
             if address > self.high[site] - 3:
                 self.high[site] = address + 3
-            key = address
-        elif type(address) is Stack:
-            key = STACK + address.offset
+            found = self.cells.get(address)
+            if type(found) is int:
+                return found
+            return self._word_at(address)
+        if type(address) is Stack:
             self.wild.add(site)
-        else:
-            self.wild.add(site)
-            return UNKNOWN
-        if key & 3:
-            return self._together(key, 4)
-        found = self.cells.get(key)
-        if found is None:
-            found = self._initial(key)
-        return _word(found) if type(found) is list else found  # type: ignore[return-value]
+            if address.offset > self.top_read:
+                self.top_read = address.offset
+            return self._word_at(STACK + address.offset)
+        return self._any_of(address, site, 4, self._word_at, TOP)
 
-    def store(self, address: Word, value: Word, site: int) -> None:
-        """Write a word."""
-        key = self._place(address, site, 3)
-        if key is None:
-            return
-        if key & 3:
-            self._apart(key, value, 4)
-            return
-        if key not in self.cells and not self._writable(key):
-            return
-        if self.journal is not None and key not in self.journal:
-            self.journal[key] = self.cells.get(key)
-        self.cells[key] = value
-
-    # ------------------------------------------------------------------------------------------------ parts of words
     def load_byte(self, address: Word, site: int) -> Word:
         """A byte, extended with zeros."""
-        if type(address) is int:
-            if address < self.low[site]:
-                self.low[site] = address
-            if address > self.high[site]:
-                self.high[site] = address
-            key = address
-        elif type(address) is Stack:
-            key = STACK + address.offset
-            self.wild.add(site)
-        else:
-            self.wild.add(site)
-            return UNKNOWN
-        word = self.cells.get(key & ~3)
-        if word is None:
-            word = self._initial(key & ~3)
-        if type(word) is int:
-            return word >> 8 * (key & 3) & 0xFF
-        return word[key & 3] if type(word) is list else UNKNOWN
+        return self._small(address, site, 1, self._byte_at, BYTE)
+
+    def load_signed_byte(self, address: Word, site: int) -> Word:
+        """A byte, extended with its sign."""
+        return self._small(address, site, 1, self._signed_byte_at, SIGNED_BYTE)
 
     def load_half(self, address: Word, site: int) -> Word:
         """Two bytes, extended with zeros."""
-        key = self._place(address, site, 1)
-        if key is None:
-            return UNKNOWN
-        word = self.cells.get(key & ~3)
-        if word is None:
-            word = self._initial(key & ~3)
-        if type(word) is int and not key & 1:
-            return word >> 8 * (key & 2) & 0xFFFF
-        return self._together(key, 2)
+        return self._small(address, site, 2, self._half_at, HALF)
+
+    def load_signed_half(self, address: Word, site: int) -> Word:
+        """Two bytes, extended with their sign."""
+        return self._small(address, site, 2, self._signed_half_at, SIGNED_HALF)
+
+    def _small(self, address: Word, site: int, size: int, read: Reader, every: Range) -> Word:
+        if type(address) is int:
+            if address < self.low[site]:
+                self.low[site] = address
+            if address + size - 1 > self.high[site]:
+                self.high[site] = address + size - 1
+            return read(address)
+        if type(address) is Stack:
+            self.wild.add(site)
+            if address.offset > self.top_read:
+                self.top_read = address.offset
+            return read(STACK + address.offset)
+        return self._any_of(address, site, size, read, every)
+
+    def _any_of(self, address: Word, site: int, size: int, read: Reader, every: Range) -> Word:
+        """What is read at one of several addresses; `every` are the values that an access of its kind can give."""
+        keys = self._keys(address, site, size)
+        if keys is None:
+            if is_wild(address) or self.leaked:
+                return WILD
+            return fresh(every)
+        if len(keys) == 1:
+            return read(keys[0])
+        numbers: set[int] = set()
+        ranges: set[Range] = set()
+        others: list[Word] = []
+        for key in keys:
+            found = read(key)
+            if type(found) is int:
+                numbers.add(found)
+            elif type(found) is Some:
+                ranges.add(found.range)
+            else:
+                others.append(found)
+        if numbers:
+            ranges.add(domain.of(numbers))
+        words = [*others, *map(made, ranges)]
+        result = words[0]
+        for word in words[1:]:
+            result = merge(result, word)
+        return result
+
+    def _keys(self, address: Word, site: int, size: int) -> list[int] | None:
+        """The keys of all the places of an access with several; None where they are too many, or not known."""
+        if type(address) is Stacks and address.offsets.size <= MOST_PLACES:
+            self.wild.add(site)
+            self.top_read = DATA_END
+            return [STACK + (offset - (1 << 32) if offset >> 31 else offset) for offset in address.offsets.members()]
+        if type(address) is Some and address.range.size <= MOST_PLACES:
+            low, high = address.range.unsigned_bounds()
+            self.low[site] = min(self.low[site], low)
+            self.high[site] = max(self.high[site], high + size - 1)
+            return list(address.range.members())
+        self.wild.add(site)
+        return None
+
+    def peek(self, address: Word) -> Word:
+        """A word in the stack, where nothing is noted of the access."""
+        return self._word_at(STACK + address.offset) if type(address) is Stack else UNKNOWN
+
+    def poke(self, address: Word, value: Word) -> None:
+        """Put a word into the stack that covers the one there."""
+        if type(address) is Stack:
+            self._put(STACK + address.offset, value)
+
+    # ------------------------------------------------------------------------------------------------ stores
+    def store(self, address: Word, value: Word, site: int) -> None:
+        """Write a word."""
+        keys = self._places(address, value, site, 4)
+        if len(keys) == 1:
+            self._put(keys[0], value)
+            return
+        for key in keys:
+            self._put(key, merge(self._word_at(key), value))
 
     def store_byte(self, address: Word, value: Word, site: int) -> None:
         """Write the low byte of a value."""
-        key = self._place(address, site, 0)
-        if key is not None:
-            self._apart(key, value, 1)
+        keys = self._places(address, value, site, 1)
+        for key in keys:
+            part = value if len(keys) == 1 else merge(self._byte_at(key), _byte(value))
+            self._put_parts(key, (part & 0xFF if type(part) is int else part,))
 
     def store_half(self, address: Word, value: Word, site: int) -> None:
         """Write the low two bytes of a value."""
-        key = self._place(address, site, 1)
-        if key is not None:
-            self._apart(key, value, 2)
+        keys = self._places(address, value, site, 2)
+        for key in keys:
+            word = value if len(keys) == 1 else merge(self._half_at(key), _half(value))
+            self._put_half(key, word)
 
-    # ------------------------------------------------------------------------------------------------ helpers
-    def _place(self, address: Word, site: int, last: int) -> int | None:
-        """The key of an address; None for a device. Raises Lost for a store that may go anywhere."""
+    def _places(self, address: Word, value: Word, site: int, size: int) -> Sequence[int]:
+        """The keys that a store may write; none where nothing is known of memory after it. Raises Lost."""
         if type(address) is int:
             self.low[site] = min(self.low[site], address)
-            self.high[site] = max(self.high[site], address + last)
-            return address
-        self.wild.add(site)
+            self.high[site] = max(self.high[site], address + size - 1)
+            if is_wild(value):
+                self.leaked = True
+            return (address,)
         if type(address) is Stack:
-            return STACK + address.offset
-        raise Lost("an access to an unknown address")
+            self.wild.add(site)
+            return (STACK + address.offset,)
+        keys = self._keys(address, site, size)
+        if keys is not None:
+            if is_wild(value) and keys[0] < DATA_END:
+                self.leaked = True
+            # Of an address that is not a multiple of 4, a core that stores words to such only takes no notice.
+            return keys if size < 4 or self._unaligned else sorted({key & ~3 for key in keys})
+        if is_wild(address) or type(address) is Stacks:
+            raise Lost("a store that may go anywhere")
+        if is_wild(value):
+            self.leaked = True
+        self._forget()
+        return ()
 
-    def _initial(self, key: int) -> Cell:
+    def _forget(self) -> None:
+        """Nothing is known any more of what is writable, but for the stack."""
+        for key in [key for key in self.cells if key < DATA_END]:
+            del self.cells[key]
+        self.layer.forgets = True
+        self.layer.wild = self.layer.wild or self.leaked
+
+    def _put(self, key: int, value: Word) -> None:
+        if key & 3:
+            self._put_parts(key, _parts(value))
+            return
+        if not self._writable(key):
+            return
+        if type(value) is Some:
+            value.home = (key, 4)
+        self.cells[key] = value
+
+    def _put_half(self, key: int, value: Word) -> None:
+        if type(value) is int:
+            self._put_parts(key, (value & 0xFF, value >> 8 & 0xFF))
+            return
+        if type(value) is Some and not key & 1:
+            value.home = (key, 2)
+        self._put_parts(key, (Half(value, 0), Half(value, 1)))
+
+    def _put_parts(self, key: int, parts: Sequence[Part]) -> None:
+        """Write bytes, which may lie in two words."""
+        if (key & 3) + len(parts) > 4 and not self._unaligned:
+            raise Lost("an access that is not aligned")
+        if len(parts) == 1 and type(parts[0]) is Some:
+            parts[0].home = (key, 1)
+        position = 0
+        while position < len(parts):
+            base = (key + position) & ~3
+            if not self._writable(base):
+                return
+            made_of = list(parts_of(self._cell(base)))
+            while position < len(parts) and (key + position) & ~3 == base:
+                made_of[(key + position) & 3] = parts[position]
+                position += 1
+            self.cells[base] = _joined(made_of)
+
+    # ------------------------------------------------------------------------------------------------ cells
+    def _cell(self, key: int) -> Cell:
+        """A word as it is in memory; one of which nothing is known gets a value of its own."""
+        found = self.cells.get(key)
+        return self.look(self.layer, key) if found is None else found
+
+    def look(self, layer: Layer, key: int) -> Cell:
+        """A word as it is in the memory of a path."""
+        one: Layer | None = layer
+        while one is not None:
+            found = one.cells.get(key)
+            if found is not None:
+                return found
+            if one.forgets and key < DATA_END and self._changeable(key):
+                unknown = WILD if one.wild else fresh()
+                one.cells[key] = unknown
+                return unknown
+            one = one.below
+        return self._initial(layer, key)
+
+    def _initial(self, layer: Layer, key: int) -> Cell:
         """A word that was not written yet."""
-        if key >= STACK >> 1:
-            return UNKNOWN
+        if key >= DATA_END:
+            unknown = fresh()
+            _lowest(layer).cells[key] = unknown
+            return unknown
         number = bisect_right(self._starts, key + 3) - 1
         if number < 0:
-            return UNKNOWN
+            return fresh()
         segment = self._segments[number]
-        if key < segment.address or key + 4 > segment.end:
+        if segment.address <= key and key + 4 <= segment.end:
+            data = segment.data[key - segment.address : key - segment.address + 4]
+            word = int.from_bytes(data.ljust(4, b"\0"), "little")
+            if not any(one.start < key + 4 and key < one.end for one in self._given):
+                return word
+            parts: list[Part] = [word >> 8 * i & 0xFF for i in range(4)]
+        else:
+            # Not in one segment: a byte that lies in none is a device's, and may be another one each time.
             parts = [self._initial_byte(key + i) for i in range(4)]
-            if all(part is UNKNOWN for part in parts):
-                return UNKNOWN
-            return parts if any(part is UNKNOWN for part in parts) else _word(parts)
-        data = segment.data[key - segment.address : key - segment.address + 4]
-        word = int.from_bytes(data.ljust(4, b"\0"), "little")
-        if any(start < key + 4 and key < end for start, end in self._unknown):
-            known = bytes_of(word)
-            return [
-                UNKNOWN if any(start <= key + i < end for start, end in self._unknown) else known[i] for i in range(4)
-            ]
-        return word
+            if any(type(part) is not int for part in parts):
+                return parts if any(type(part) is int for part in parts) else fresh()
+        cell = self._as_given(key, parts)
+        if type(cell) is not int:
+            _lowest(layer).cells[key] = cell
+        return cell
 
-    def _initial_byte(self, address: int) -> Word:
+    def _initial_byte(self, address: int) -> Part:
         """A byte that was not written yet, of a word that does not lie in one segment."""
         number = bisect_right(self._starts, address) - 1
         if number < 0 or address >= self._segments[number].end:
-            return UNKNOWN
-        if any(start <= address < end for start, end in self._unknown):
-            return UNKNOWN
+            return fresh(BYTE)
+        if any(one.start <= address < one.end for one in self._given):
+            return fresh(BYTE)
         segment = self._segments[number]
         place = address - segment.address
         return segment.data[place] if place < len(segment.data) else 0
 
+    def _as_given(self, key: int, parts: list[Part]) -> Cell:
+        """A word that does not start, or not all of it, with what the binary holds."""
+        for one in self._given:
+            if not (one.start < key + 4 and key < one.end):
+                continue
+            if one.start <= key and key + 4 <= one.end and (key - one.start) % 4 == 0 and one.width in (0, 4):
+                return made(one.values) if one.width == 4 else fresh()
+            for i in range(4):
+                at = key + i - one.start
+                if not 0 <= at < one.end - one.start:
+                    continue
+                if one.values.n == 0:
+                    parts[i] = one.values.low >> 8 * (at % max(one.width, 1)) & 0xFF
+                elif one.width == 2 and one.start % 2 == 0:
+                    before = parts[i - 1] if i else None
+                    known = type(before) is Half and at % 2 == 1
+                    parts[i] = Half(before.value, 1) if known and type(before) is Half else Half(made(one.values), 0)
+                else:
+                    parts[i] = made(one.values) if one.width == 1 else fresh(BYTE)
+        return _joined(parts)
+
+    def _changeable(self, key: int) -> bool:
+        """Whether any byte of a word is in a segment that can be written."""
+        return any(segment.writable for segment in self._around(key))
+
     def _writable(self, key: int) -> bool:
         """Whether a word is the program's to write; not so a device. Raises Lost for code and constants."""
-        if key >= STACK >> 1:
+        if key >= DATA_END or key in self._ours:
             return True
-        number = bisect_right(self._starts, key + 3) - 1
-        found = [s for s in self._segments[max(0, number - 3) : number + 1] if s.end > key]
+        found = self._around(key)
         if not all(segment.writable for segment in found):
             raise Lost("code or a constant is written")
+        if found:
+            self._ours.add(key)
         return bool(found)
 
-    def _byte(self, key: int) -> Word:
-        word = self.cells.get(key & ~3)
-        if word is None:
-            word = self._initial(key & ~3)
-        if type(word) is int:
-            return word >> 8 * (key & 3) & 0xFF
-        return word[key & 3] if type(word) is list else UNKNOWN
+    def _around(self, key: int) -> list[Segment]:
+        """The segments that hold bytes of a word."""
+        number = bisect_right(self._starts, key + 3) - 1
+        return [s for s in self._segments[max(0, number - 3) : number + 1] if s.end > key]
 
-    def _together(self, key: int, size: int) -> Word:
+    # ------------------------------------------------------------------------------------------------ reading
+    def _word_at(self, key: int) -> Word:
+        if key & 3:
+            return self._unaligned_at(key, 4)
+        found = self._cell(key)
+        if type(found) is not list:
+            if type(found) is Some:
+                found.home = (key, 4)
+            return found  # type: ignore[return-value]
+        return _together(found)
+
+    def _byte_at(self, key: int) -> Word:
+        base = key & ~3
+        cell = self._cell(base)
+        if type(cell) is int:
+            return cell >> 8 * (key & 3) & 0xFF
+        if type(cell) is Some and cell.range.is_top:
+            cell = self._apart(base)
+        if type(cell) is not list:
+            return _byte(cell >> 8 * (key & 3)) if not is_wild(cell) else WILD  # type: ignore[operator]
+        part = cell[key & 3]
+        if type(part) is Half:
+            return _byte(part.value >> 8 * part.index) if not is_wild(part.value) else WILD
+        value = _byte(part)  # type: ignore[arg-type]
+        if type(value) is Some:
+            if value is not part:
+                # The same byte, as it will be read again.
+                changed = list(cell)
+                changed[key & 3] = value
+                if base in self.cells:
+                    self.cells[base] = changed
+            value.home = (key, 1)
+        return value
+
+    def _signed_byte_at(self, key: int) -> Word:
+        cell = self._cell(key & ~3)
+        if type(cell) is list:
+            part = cell[key & 3]
+            if type(part) is Some and domain.includes(domain.SIGNED_BYTE, part.range):
+                part.home = (key, 1)
+                return part
+        return _signed(extend_byte, self._byte_at(key))
+
+    def _half_at(self, key: int) -> Word:
+        return _half(self._half_of(key))
+
+    def _signed_half_at(self, key: int) -> Word:
+        return _signed(extend_half, self._half_of(key))
+
+    def _half_of(self, key: int) -> Word:
+        """A word of which the low 16 bits are those read."""
+        if key & 1:
+            return self._unaligned_at(key, 2)
+        cell = self._cell(key & ~3)
+        if type(cell) is not list:
+            return WILD if is_wild(cell) else cell >> 8 * (key & 2)  # type: ignore[operator]
+        first, second = cell[key & 3], cell[(key & 3) + 1]
+        if type(first) is Half and type(second) is Half and first.value is second.value:
+            if (first.index, second.index) == (0, 1):
+                if type(first.value) is Some:
+                    first.value.home = (key, 2)
+                return first.value
+            return fresh(HALF)
+        return _together([first, second, 0, 0])
+
+    def _unaligned_at(self, key: int, size: int) -> Word:
         if not self._unaligned:
-            return UNKNOWN
-        result = 0
-        for i in range(size):
-            byte = self._byte(key + i)
-            if type(byte) is not int:
-                return UNKNOWN
-            result |= byte << 8 * i
-        return result
+            return WILD if self.leaked or key >= DATA_END else fresh()
+        return _together([self._byte_at(key + i) if i < size else 0 for i in range(4)])
 
-    def _apart(self, key: int, value: Word, size: int) -> None:
-        if (key & 3) + size > 4 and not self._unaligned:
-            raise Lost("an access that is not aligned")
-        parts: list[Word] = [value >> 8 * i & 0xFF for i in range(size)] if type(value) is int else [UNKNOWN] * size
-        position = 0
-        while position < size:
-            base = (key + position) & ~3
-            old = self.cells.get(base)
-            if old is None and not self._writable(base):
-                return
-            if self.journal is not None and base not in self.journal:
-                self.journal[base] = old
-            if old is None:
-                old = self._initial(base)
-            fresh = bytes_of(old)
-            while position < size and (key + position) & ~3 == base:
-                fresh[(key + position) & 3] = parts[position]
-                position += 1
-            whole = _word(fresh)
-            self.cells[base] = whole if type(whole) is int else fresh
+    def _apart(self, key: int) -> list[Part]:
+        """Four bytes of which nothing is known, in the place of a word of which nothing is known."""
+        parts: list[Part] = [fresh(BYTE) for _ in range(4)]
+        self.cells[key] = parts
+        return parts
 
-    def join(self, journals: list[dict[int, Cell | None]], after: list[dict[int, Cell | None]]) -> None:
-        """Make the memory cover all paths: `journals` hold what each of them replaced, `after` what it left there."""
-        for key in {key: None for journal in journals for key in journal}:
-            before = self.cells.get(key)
-            values: list[Cell] = []
-            for journal, left in zip(journals, after, strict=True):
-                value = left[key] if key in journal else before
-                values.append(self._initial(key) if value is None else value)
-            if self.journal is not None and key not in self.journal:
-                self.journal[key] = before
-            self.cells[key] = _merged(values)
+    # ------------------------------------------------------------------------------------------------ paths
+    def narrow(self, word: Some, narrower: Word) -> None:
+        """Put a narrower word where a word is at home, if it is still there."""
+        if word.home is None:
+            return
+        key, size = word.home
+        cell = self._cell(key & ~3)
+        if size == 4:
+            if cell is word:
+                self._put(key, narrower)
+        elif type(cell) is list:
+            found = cell[key & 3]
+            if size == 1 and found is word:
+                self._put_parts(key, (narrower & 0xFF if type(narrower) is int else narrower,))
+            elif size == 2 and type(found) is Half and found.value is word:
+                self._put_half(key, narrower)
+
+    def keys_since(self, layer: Layer, base: Layer) -> Iterator[int]:
+        """The keys written on the way from a layer below."""
+        one: Layer | None = layer
+        while one is not None and one is not base:
+            yield from one.cells
+            one = one.below
 
 
-def bytes_of(cell: Cell) -> list[Word]:
+def _lowest(layer: Layer) -> Layer:
+    while layer.below is not None and not layer.forgets:
+        layer = layer.below
+    return layer
+
+
+def parts_of(cell: Cell) -> Iterable[Part]:
     """The four bytes of a word."""
-    if type(cell) is list:
-        return cell.copy()
-    if type(cell) is int:
-        return [cell >> 8 * i & 0xFF for i in range(4)]
-    return [UNKNOWN] * 4
+    return cell if type(cell) is list else _parts(cell)  # type: ignore[arg-type]
 
 
-def _word(cells: list[Word]) -> Word:
+def _parts(value: Word) -> list[Part]:
+    if type(value) is int:
+        return [value >> 8 * i & 0xFF for i in range(4)]
+    if is_wild(value):
+        return [WILD] * 4
+    if type(value) is Some and not value.range.is_top:
+        return [_byte(value >> 8 * i) for i in range(4)]
+    return [fresh(BYTE) for _ in range(4)]
+
+
+def _byte(value: Word) -> Word:
+    if is_wild(value):
+        return WILD
+    return value & 0xFF
+
+
+def _half(value: Word) -> Word:
+    return WILD if is_wild(value) else value & 0xFFFF
+
+
+def _signed(extend: Reading, value: Word) -> Word:
+    if is_wild(value):
+        return WILD
+    found = extend(value)
+    if type(found) is Some and type(value) is Some and found.range == value.range:
+        return value
+    return found
+
+
+def _together(parts: list[Part]) -> Word:
+    """The word that four bytes make."""
     result = 0
-    for i, byte in enumerate(cells):
-        if type(byte) is not int:
-            return UNKNOWN
-        result |= byte << 8 * i
-    return result & MASK
+    known = True
+    for i, part in enumerate(parts):
+        if type(part) is int:
+            result |= (part & 0xFF) << 8 * i
+        elif is_wild(part.value if type(part) is Half else part):
+            return WILD
+        else:
+            known = False
+    if known:
+        return result & 0xFFFF_FFFF
+    low_half = _low_half(parts)
+    if low_half is not None and all(type(part) is int and part == 0 for part in parts[2:]):
+        return low_half & 0xFFFF
+    bounds = [_bounds(part) for part in parts]
+    low, high = (sum(pair[side] << 8 * i for i, pair in enumerate(bounds)) for side in (0, 1))
+    return fresh(domain.between(low, high))
 
 
-def _merged(values: list[Cell]) -> Cell:
-    first = values[0]
-    if all(value is first for value in values[1:]):
-        return first
-    if not any(type(value) is list for value in values):
-        merged: Word = values[0]  # type: ignore[assignment]
-        for value in values[1:]:
-            merged = merge(merged, value)  # type: ignore[arg-type]
-        if type(merged) is int or type(merged) is Stack:
-            return merged
-    bytes_ = [bytes_of(value) for value in values]
-    result = bytes_[0]
-    for other in bytes_[1:]:
-        result = [merge(a, b) for a, b in zip(result, other, strict=True)]
-    return result if any(type(byte) is int for byte in result) else UNKNOWN
+def _bounds(part: Part) -> tuple[int, int]:
+    """The least and the greatest value of a byte."""
+    value = _byte(part.value >> 8 * part.index) if type(part) is Half else _byte(part)  # type: ignore[arg-type]
+    if type(value) is int:
+        return value, value
+    return value.range.unsigned_bounds() if type(value) is Some else (0, 255)
+
+
+def _low_half(parts: list[Part]) -> Word | None:
+    first, second = parts[0], parts[1]
+    if type(first) is Half and type(second) is Half and first.value is second.value and second.index == 1:
+        return first.value
+    return None
+
+
+def _joined(parts: list[Part]) -> Cell:
+    """A word if all four bytes are known, else the bytes."""
+    if all(type(part) is int for part in parts):
+        return sum((part & 0xFF) << 8 * i for i, part in enumerate(parts) if type(part) is int) & MASK
+    return parts

@@ -4,24 +4,44 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Protocol
+from math import inf
+from time import monotonic
+from typing import Any, Protocol
 
 from mauve.wcet.binary.callgraph import order
 from mauve.wcet.binary.elf import Binary
 from mauve.wcet.binary.graph import Cfg
 from mauve.wcet.binary.loops import LoopNest
-from mauve.wcet.binary.microop import Call
+from mauve.wcet.binary.microop import SP, Call
+from mauve.wcet.flow import domain
+from mauve.wcet.flow.assumed import IN_REGISTERS
+from mauve.wcet.flow.domain import Range
+from mauve.wcet.flow.locations import Helper
 from mauve.wcet.flow.order import Order, arrange
 from mauve.wcet.flow.result import AddressRange, ContextKey, FunctionFlow, LoopBound
 from mauve.wcet.flow.run.behaviour import MOST, Behaviour, Behaviours
-from mauve.wcet.flow.run.machine import Function, Machine, Unresolved
-from mauve.wcet.flow.run.memory import Lost, Memory
-from mauve.wcet.result import Origin
+from mauve.wcet.flow.run.frames import Function, Unresolved
+from mauve.wcet.flow.run.machine import Machine
+from mauve.wcet.flow.run.memory import Given, Lost, Memory
+from mauve.wcet.flow.run.narrow import within
+from mauve.wcet.flow.run.remembered import closed
+from mauve.wcet.result import Origin, Problem, ProblemKind
 
 STEPS = 25_000_000
 """Instructions that a run may execute."""
 
 METHOD = "run from the linked data"
+
+MOST_CASES = 64
+"""Values of numbers that are not known for which a program runs apart."""
+FOR_RANGES = 3
+"""One part in so many of the time is for a run with the ranges of such numbers."""
+FOR_PROOF = 4
+"""One part in so many of the time left is for a proof that a loop has a bound."""
+AT_LEAST = 0.5
+"""Seconds for better bounds, beside twice the time of the run."""
+FEW = 8
+"""Iterations for which no better bound is looked for."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,17 +68,48 @@ class Functions(Protocol):
     def nest(self, key: int) -> LoopNest:
         """The loops of a function."""
 
-    def bound_anyhow(self, key: int, loop: int) -> int | None:
-        """Executions of a loop's header per entry, whatever the function is called with."""
+    def known_bounds(self, key: int) -> dict[int, int]:
+        """Bounds of a function's loops that need no analysis."""
+
+    def helper(self, key: int) -> Helper | None:
+        """What a run-time helper computes, by its name."""
+
+    def bound_anyhow(self, key: int, loop: int, deadline: float | None) -> int | None:
+        """Executions of a loop's header per entry, whatever the function is called with; None as well where that is not
+        found out in time."""
+
+
+Arguments = Mapping[int, Sequence[tuple[int, Range]]]
+"""What is assumed of arguments, by function (a key): their slots, counted from 1, with their values."""
 
 
 class Source:
     """The functions of a binary, made ready when they are first called."""
 
-    def __init__(self, functions: Functions, entry: int) -> None:
+    def __init__(
+        self, functions: Functions, entry: int, arguments: Arguments | None = None, deadline: float | None = None
+    ) -> None:
+        self.deadline = deadline
         self.binary, self._functions = functions.binary, functions
+        self._arguments = arguments or {}
         self.cfgs = dict(functions.graphs_from(entry))
         self._groups = {key: number for number, c in enumerate(order(self.cfgs).cycles) for key in c.members}
+
+    def enter(self, key: int, registers: list[Any], memory: Memory) -> bool:
+        """Narrow the arguments with which a function is entered to what is assumed of them; False when none remain."""
+        for slot, values in self._arguments.get(key, ()):
+            if slot <= IN_REGISTERS:
+                word = within(registers[slot - 1], values)
+                if word is not None:
+                    registers[slot - 1] = word
+            else:
+                place = registers[SP] + 4 * (slot - IN_REGISTERS - 1)
+                word = within(memory.peek(place), values)
+                if word is not None:
+                    memory.poke(place, word)
+            if word is None:
+                return False
+        return True
 
     def function(self, key: int) -> tuple[Cfg, LoopNest, Order, int]:
         """The graph of a function, its loops, its order, and a number it shares with those it recurses with."""
@@ -71,7 +122,21 @@ class Source:
 
     def bound(self, key: int, loop: int) -> int | None:
         """See Functions.bound_anyhow."""
-        return self._functions.bound_anyhow(key, loop)
+        now = monotonic()
+        until = None if self.deadline is None else now + (self.deadline - now) / FOR_PROOF
+        return self._functions.bound_anyhow(key, loop, until)
+
+    def known(self, key: int) -> dict[int, int]:
+        """Bounds of loops of a function that need no analysis: those of library routines, and what facts state."""
+        return self._functions.known_bounds(key)
+
+    def closed(self, key: int) -> bool:
+        """See remembered.closed."""
+        return closed(key, self.cfgs)
+
+    def helper(self, key: int) -> Helper | None:
+        """What a run-time helper computes, by its name."""
+        return self._functions.helper(key)
 
     @property
     def unaligned(self) -> bool:
@@ -89,24 +154,60 @@ def run_program(
     entry: int,
     deadline: float | None,
     most: int = MOST,
-    unknown: Sequence[tuple[int, int]] = (),
+    given: Sequence[Given] = (),
 ) -> Ran:
     """Run a program from `entry` (a key) with its linked data, unknown registers and an unknown stack; `most` contexts
-    of a function are told apart. `unknown` are stretches of data of which the linked content does not count."""
-    memory, behaviours = Memory(source.binary, source.unaligned, unknown), Behaviours(most)
+    of a function are told apart. `given` are stretches of data of which the linked content does not count.
+
+    Where that leaves a loop open, the program runs once for each of the values that numbers in `given` can have, if
+    they are few.
+    """
+    cases = _cases(given)
+    now = monotonic()
+    until = deadline if deadline is None or len(cases) == 1 else now + (deadline - now) / FOR_RANGES
+    ran = _run(source, entry, until, most, [list(given)])
+    left_open = ran.flows is None or any(flow.problems for flow in ran.flows.values())
+    if not left_open or ran.targets or len(cases) == 1:
+        return ran
+    apart = _run(source, entry, deadline, most, cases)
+    return ran if apart.flows is None and not apart.targets else apart
+
+
+def _cases(given: Sequence[Given]) -> list[list[Given]]:
+    """What is given with each of the values that numbers in it have, those with few values first."""
+    cases = [list(given)]
+    numbers = [n for n, one in enumerate(given) if one.width and one.end - one.start == one.width]
+    for number in sorted(numbers, key=lambda n: given[n].values.size):
+        if len(cases) * given[number].values.size > MOST_CASES:
+            break
+        values = [domain.constant(value) for value in given[number].values.members()]
+        cases = [[*c[:number], replace(c[number], values=value), *c[number + 1 :]] for c in cases for value in values]
+    return cases
+
+
+def _run(source: Source, entry: int, deadline: float | None, most: int, cases: list[list[Given]]) -> Ran:
+    """Run a program once for each case; the result covers all."""
+    source.deadline = deadline
+    started = monotonic()
+    memory, behaviours = Memory(source.binary, source.unaligned, cases[0]), Behaviours(most)
     machine = Machine(source, memory, behaviours, STEPS, deadline)
     key: ContextKey = (entry, "")
+    numbers = []
     try:
-        number = machine.run(entry)
+        for case in cases:
+            memory.restart(case)
+            numbers.append(machine.run(entry))
     except Lost as lost:
         return Ran(None, key, _found(machine), str(lost))
     except Unresolved as unresolved:
         address, target = unresolved.args
         machine.targets.setdefault(address, set()).add(target)
         return Ran(None, key, _found(machine), "a branch leaves the graphs")
-    settled = behaviours.settle(number)
+    settled = behaviours.settle(behaviours.together(numbers))
     if settled is None:
         return Ran(None, key, _found(machine), "calls go round in circles")
+    now = monotonic()
+    source.deadline = min(now + AT_LEAST + 2 * (now - started), deadline or inf)
     flows, first = _flows(machine, behaviours, *settled)
     return Ran(flows, first, {})
 
@@ -164,18 +265,31 @@ def _flow(
     machine: Machine,
 ) -> FunctionFlow:
     function: Function = mine.function
-    bounds = {}
+    loose = frozenset[int]().union(*(function.nest.loops[loop].blocks for loop in mine.loose))
+    bounds, problems = {}, []
     for loop in function.nest.loops:
-        if mine.most[loop.id]:
-            entries = sum(mine.counts[edge] for edge in loop.entry_edges) + (loop.header == function.cfg.entry)
-            total = entries + sum(mine.counts[edge] for edge in loop.back_edges)
-            most = mine.most[loop.id]
-            # Where unknown values decide, a run goes on for longer than an execution may.
-            if any((function.key, block) in machine.forked for block in loop.blocks):
-                most = min(most, machine.source.bound(function.key, loop.id) or most)
-            bounds[loop.id] = LoopBound(most, Origin.ANALYSIS, METHOD, min(total, entries * most))
+        if not mine.most[loop.id]:
+            continue
+        entries = sum(mine.counts[edge] for edge in loop.entry_edges) + (loop.header == function.cfg.entry)
+        most: int | None = None if loop.id in mine.endless else mine.most[loop.id]
+        # Where unknown values decide, a run may go on for longer than an execution.
+        if most is None or (most > FEW and loop.id in function.undecided):
+            proven = machine.source.bound(function.key, loop.id)
+            most = proven if most is None or (proven is not None and proven < most) else most
+        if most is None:
+            problems.append(_unbounded(cfg, cfg.blocks[loop.header].address))
+            continue
+        total = None
+        if not loop.blocks & loose:
+            total = min(entries + sum(mine.counts[edge] for edge in loop.back_edges), entries * most)
+        bounds[loop.id] = LoopBound(most, Origin.ANALYSIS, METHOD, total)
     calls = {edge: tuple(sorted(names[callee] for callee in callees)) for edge, callees in mine.calls.items()}
     never = frozenset(index for index, count in enumerate(mine.counts) if not count)
+    limits = {
+        index: count
+        for index, (count, edge) in enumerate(zip(mine.counts, cfg.edges, strict=True))
+        if count and edge.source not in loose
+    }
     return FunctionFlow(
         cfg,
         function.nest,
@@ -183,9 +297,15 @@ def _flow(
         never,
         accesses.get(function.key, {}),
         calls,
-        (),
+        tuple(problems),
         mine.stack,
+        limits,
     )
+
+
+def _unbounded(cfg: Cfg, address: int) -> Problem:
+    message = f"no bound was found for the loop at {address:#x} in {cfg.name}"
+    return Problem(ProblemKind.LOOP, message, address, cfg.name)
 
 
 def _accesses(machine: Machine) -> dict[int, dict[tuple[int, int], AddressRange]]:

@@ -1,11 +1,21 @@
-"""The values of a run: Python integers for known words, `Stack` for addresses in the stack, `UNKNOWN` for the rest.
+"""The values of a run: Python integers for known words; what else is known of a word is an `Unknown` or one of its
+subclasses.
 
-Arithmetic is written as on plain integers (and masked to 32 bits by the caller): the classes here say what it means for
-the other values. What depends on an unknown is unknown; a condition that does raises `Undecided`. The stack begins at
-any multiple of 8 (AAPCS), so the low three bits of an address in it are known, and two of them can be compared.
+Arithmetic is written as on plain integers and masked to 32 bits by the caller: the classes here say what it means for
+the other values, modulo 2**32. A condition that an unknown leaves open raises `Undecided`. The stack begins at any
+multiple of 8 (AAPCS), so the low three bits of an address in it are known, and two of them can be compared.
+
+An object of class `Some` stands for one and the same word wherever it is found: copies of a value are the same object,
+so that what a branch tells of it holds for all of them.
 """
 
 from __future__ import annotations
+
+from collections.abc import Callable
+
+from mauve.wcet.binary.microop import Op
+from mauve.wcet.flow import domain
+from mauve.wcet.flow.domain import TOP, Range
 
 MASK, SIGN = 0xFFFF_FFFF, 0x8000_0000
 
@@ -15,25 +25,32 @@ class Undecided(Exception):
 
 
 class Unknown:
-    """Any word."""
+    """Any word that is no address in the stack."""
 
     __slots__ = ()
 
-    def _same(self, _other: object) -> Unknown:
-        return self
+    def _lost(self, other: object) -> Unknown:
+        return WILD if is_wild(other) else UNKNOWN
 
     def _undecided(self, _other: object) -> bool:
         raise Undecided
 
-    __add__ = __radd__ = __sub__ = __rsub__ = __mul__ = __rmul__ = __lshift__ = __rlshift__ = _same
-    __rshift__ = __rrshift__ = __or__ = __ror__ = __xor__ = __rxor__ = _same
+    __add__ = __radd__ = __sub__ = __rsub__ = __mul__ = __rmul__ = __lshift__ = __rlshift__ = _lost
+    __or__ = __ror__ = __xor__ = __rxor__ = _lost
     __lt__ = __le__ = __gt__ = __ge__ = _undecided
     __hash__ = object.__hash__
 
-    def __and__(self, other: object) -> Unknown | int:
-        return 0 if type(other) is int and other == 0 else self
+    def __and__(self, other: object) -> Word:
+        return made(domain.bit_and(TOP, domain.constant(other))) if type(other) is int else self._lost(other)
 
     __rand__ = __and__
+
+    def __rshift__(self, other: object) -> Word:
+        if type(other) is int:
+            return made(domain.apply(Op.LSR, TOP, domain.constant(other)))
+        return self._lost(other)
+
+    __rrshift__ = _lost
 
     def __eq__(self, other: object) -> bool:
         raise Undecided
@@ -51,7 +68,171 @@ class Unknown:
         return "?"
 
 
+class Wild(Unknown):
+    """Any word; it may be an address in the stack."""
+
+    __slots__ = ()
+
+    def _lost(self, other: object) -> Unknown:
+        return WILD
+
+    __add__ = __radd__ = __sub__ = __rsub__ = __mul__ = __rmul__ = __lshift__ = __rlshift__ = _lost
+    __rshift__ = __rrshift__ = __or__ = __ror__ = __xor__ = __rxor__ = _lost
+
+    def __and__(self, other: object) -> Word:
+        return 0 if type(other) is int and other == 0 else WILD
+
+    __rand__ = __and__
+
+    def __repr__(self) -> str:
+        return "??"
+
+
 UNKNOWN = Unknown()
+WILD = Wild()
+
+
+class Some(Unknown):
+    """One word out of a range that is no address in the stack.
+
+    `home` is a place in memory (address and size) that it was found in or put to. A word that is the sum of another and
+    a number has that other as its `root` and the number as its `offset`.
+    """
+
+    __slots__ = ("home", "offset", "range", "root")
+
+    def __init__(self, values: Range, root: Some | None = None, offset: int = 0) -> None:
+        self.range = values
+        self.root = root
+        self.offset = offset
+        self.home: tuple[int, int] | None = None
+
+    @property
+    def base(self) -> Some:
+        """What all words with a known distance from this one have in common."""
+        return self if self.root is None else self.root
+
+    def moved(self, number: int) -> Word:
+        """The sum with a number."""
+        number &= MASK
+        if not number:
+            return self
+        return Some(domain.shift(self.range, number), self.base, (self.offset + number) & MASK)
+
+    def _with(self, op: Op, other: object, *, swapped: bool = False) -> Word:
+        values = range_of(other)
+        if values is None:
+            return WILD
+        return made(domain.apply(op, values, self.range) if swapped else domain.apply(op, self.range, values))
+
+    def __add__(self, other: object) -> Word:  # type: ignore[override]
+        if type(other) is int:
+            return self.moved(other)
+        if isinstance(other, Stack | Stacks):
+            return other + self
+        return self._with(Op.ADD, other)
+
+    __radd__ = __add__  # type: ignore[assignment]
+
+    def __sub__(self, other: object) -> Word:  # type: ignore[override]
+        if type(other) is int:
+            return self.moved(-other)
+        if type(other) is Some and other.base is self.base:
+            return (self.offset - other.offset) & MASK
+        return self._with(Op.SUB, other)
+
+    def __rsub__(self, other: object) -> Word:  # type: ignore[override]
+        return self._with(Op.SUB, other, swapped=True)
+
+    def __mul__(self, other: object) -> Word:  # type: ignore[override]
+        return self._with(Op.MUL, other)
+
+    __rmul__ = __mul__  # type: ignore[assignment]
+
+    def __lshift__(self, other: object) -> Word:  # type: ignore[override]
+        return self._with(Op.SHL, other)
+
+    def __rshift__(self, other: object) -> Word:
+        return self._with(Op.LSR, other)
+
+    def __or__(self, other: object) -> Word:  # type: ignore[override]
+        return self if other is self else self._with(Op.OR, other)
+
+    __ror__ = __or__  # type: ignore[assignment]
+
+    def __xor__(self, other: object) -> Word:  # type: ignore[override]
+        if type(other) is int and other == SIGN:
+            return self.moved(SIGN)
+        return 0 if other is self else self._with(Op.XOR, other)
+
+    __rxor__ = __xor__  # type: ignore[assignment]
+
+    def __and__(self, other: object) -> Word:
+        if other is self or (type(other) is int and _keeps(other, self.range)):
+            return self
+        return self._with(Op.AND, other)
+
+    __rand__ = __and__
+
+    def __eq__(self, other: object) -> bool:
+        if other is self:
+            return True
+        if type(other) is int:
+            if other not in self.range:
+                return False
+        elif type(other) is Some:
+            if other.base is self.base:
+                return other.offset == self.offset
+            if domain.meet(self.range, other.range) is None:
+                return False
+        raise Undecided
+
+    def __ne__(self, other: object) -> bool:
+        return not self == other
+
+    __hash__ = object.__hash__
+
+    def _bounds(self, other: object) -> tuple[int, int, int, int]:
+        values = range_of(other)
+        if values is None:
+            raise Undecided
+        return *self.range.unsigned_bounds(), *values.unsigned_bounds()
+
+    def __lt__(self, other: object) -> bool:
+        low, high, least, most = self._bounds(other)
+        if high < least:
+            return True
+        if low >= most or other is self:
+            return False
+        raise Undecided
+
+    def __gt__(self, other: object) -> bool:
+        low, high, least, most = self._bounds(other)
+        if low > most:
+            return True
+        if high <= least or other is self:
+            return False
+        raise Undecided
+
+    def __ge__(self, other: object) -> bool:
+        return not self < other
+
+    def __le__(self, other: object) -> bool:
+        return not self > other
+
+    def __bool__(self) -> bool:
+        return self != 0
+
+    def __neg__(self) -> Word:  # type: ignore[override]
+        return made(domain.negate(self.range))
+
+    def __repr__(self) -> str:
+        return repr(self.range)
+
+
+def _keeps(mask: int, values: Range) -> bool:
+    """Whether a conjunction with the mask changes none of the values: ones from the lowest bit up to their greatest."""
+    return mask == MASK or (mask & (mask + 1) == 0 and values.unsigned_bounds()[1] <= mask)
 
 
 class Stack(Unknown):
@@ -62,21 +243,28 @@ class Stack(Unknown):
     def __init__(self, offset: int) -> None:
         self.offset = offset
 
-    def __add__(self, other: object) -> Unknown:
-        return Stack(signed(self.offset + other)) if type(other) is int else UNKNOWN
+    def __add__(self, other: object) -> Word:  # type: ignore[override]
+        if type(other) is int:
+            return Stack(signed(self.offset + other))
+        if type(other) is Some:
+            return Stacks(domain.shift(other.range, self.offset))
+        return WILD
 
     __radd__ = __add__  # type: ignore[assignment]
 
-    def __sub__(self, other: object) -> Unknown | int:  # type: ignore[override]
+    def __sub__(self, other: object) -> Word:  # type: ignore[override]
         if type(other) is int:
             return Stack(signed(self.offset - other))
-        return self.offset - other.offset if type(other) is Stack else UNKNOWN
+        if type(other) is Some:
+            return Stacks(domain.shift(domain.negate(other.range), self.offset))
+        if type(other) is Stacks:
+            return made(domain.shift(domain.negate(other.offsets), self.offset))
+        return self.offset - other.offset if type(other) is Stack else WILD
 
-    def _lost(self, _other: object) -> Unknown:
-        return UNKNOWN
+    def _lost(self, other: object) -> Unknown:
+        return WILD
 
     __rsub__ = __mul__ = __rmul__ = __rlshift__ = __rshift__ = __rrshift__ = _lost
-
 
     def __or__(self, other: object) -> Unknown:
         return _low_bits(self, other, lambda a, b: a | b)
@@ -86,25 +274,27 @@ class Stack(Unknown):
 
     __ror__, __rxor__ = __or__, __xor__  # type: ignore[assignment]
 
-    def __lshift__(self, other: object) -> Unknown | int:  # type: ignore[override]
-        return (self.offset & 7) << other if type(other) is int and other >= 29 else UNKNOWN
+    def __lshift__(self, other: object) -> Word:  # type: ignore[override]
+        return (self.offset & 7) << other if type(other) is int and other >= 29 else WILD
 
-    def __and__(self, other: object) -> Unknown | int:
+    def __and__(self, other: object) -> Word:
         if type(other) is not int:
-            return UNKNOWN
+            return WILD
         if other == MASK:
             return self
         if other <= 7:
             return self.offset & other
         if other | 7 == MASK:
             return Stack(self.offset - (self.offset & ~other & 7))
-        return Low(self.offset & other & 7) if other & 7 == 7 else UNKNOWN
+        return Low(self.offset & other & 7) if other & 7 == 7 else WILD
 
     __rand__ = __and__
 
     def __eq__(self, other: object) -> bool:
         if type(other) is Stack:
             return self.offset == other.offset
+        if type(other) is Stacks:
+            return other == self
         if type(other) is int and other == 0:
             return False
         raise Undecided
@@ -118,6 +308,8 @@ class Stack(Unknown):
     def __lt__(self, other: object) -> bool:
         if type(other) is Stack:
             return self.offset < other.offset
+        if type(other) is Stacks:
+            return other > self
         if type(other) is int and other == 0:
             return False
         raise Undecided
@@ -130,6 +322,8 @@ class Stack(Unknown):
             return True
         if type(other) is Stack:
             return self.offset > other.offset
+        if type(other) is Stacks:
+            return other < self
         raise Undecided
 
     def __le__(self, other: object) -> bool:
@@ -142,18 +336,102 @@ class Stack(Unknown):
         return f"sp{self.offset:+d}"
 
 
+class Stacks(Unknown):
+    """An address in the stack: the value of sp at the entry of the program plus one of the `offsets`."""
+
+    __slots__ = ("offsets",)
+
+    def __init__(self, offsets: Range) -> None:
+        self.offsets = offsets
+
+    def __add__(self, other: object) -> Word:  # type: ignore[override]
+        if type(other) is int:
+            return Stacks(domain.shift(self.offsets, other))
+        return Stacks(domain.add(self.offsets, other.range)) if type(other) is Some else WILD
+
+    __radd__ = __add__  # type: ignore[assignment]
+
+    def __sub__(self, other: object) -> Word:  # type: ignore[override]
+        if type(other) is int:
+            return Stacks(domain.shift(self.offsets, -other))
+        if type(other) is Some:
+            return Stacks(domain.sub(self.offsets, other.range))
+        if type(other) is Stack:
+            return made(domain.shift(self.offsets, -other.offset))
+        return made(domain.sub(self.offsets, other.offsets)) if type(other) is Stacks else WILD
+
+    def _lost(self, other: object) -> Unknown:
+        return WILD
+
+    __rsub__ = __mul__ = __rmul__ = __lshift__ = __rlshift__ = __rshift__ = __rrshift__ = _lost
+    __or__ = __ror__ = __xor__ = __rxor__ = _lost
+
+    def __and__(self, other: object) -> Word:
+        return self if type(other) is int and other == MASK else WILD
+
+    __rand__ = __and__
+
+    def _against(self, other: object) -> tuple[int, int, int, int]:
+        if type(other) is Stack:
+            return *self.offsets.signed_bounds(), other.offset, other.offset
+        if type(other) is Stacks:
+            return *self.offsets.signed_bounds(), *other.offsets.signed_bounds()
+        raise Undecided
+
+    def __eq__(self, other: object) -> bool:
+        if type(other) is int and other == 0:
+            return False
+        low, high, least, most = self._against(other)
+        if high < least or low > most:
+            return False
+        raise Undecided
+
+    def __ne__(self, other: object) -> bool:
+        return not self == other
+
+    __hash__ = object.__hash__
+
+    def __lt__(self, other: object) -> bool:
+        if type(other) is int and other == 0:
+            return False
+        low, high, least, most = self._against(other)
+        if high < least or low >= most:
+            return high < least
+        raise Undecided
+
+    def __gt__(self, other: object) -> bool:
+        if type(other) is int and other == 0:
+            return True
+        low, high, least, most = self._against(other)
+        if low > most or high <= least:
+            return low > most
+        raise Undecided
+
+    def __ge__(self, other: object) -> bool:
+        return not self < other
+
+    def __le__(self, other: object) -> bool:
+        return not self > other
+
+    def __bool__(self) -> bool:
+        return True
+
+    def __repr__(self) -> str:
+        return f"sp+{self.offsets!r}"
+
+
 class Low(Unknown):
-    """A word of which the low three bits are known."""
+    """A word of which the low three bits are known; it was made from an address in the stack."""
 
     __slots__ = ("bits",)
 
     def __init__(self, bits: int) -> None:
         self.bits = bits & 7
 
-    def __and__(self, other: object) -> Unknown | int:
+    def __and__(self, other: object) -> Word:
         if type(other) is int and other <= 7:
             return self.bits & other
-        return self if type(other) is int and other == MASK else UNKNOWN
+        return self if type(other) is int and other == MASK else WILD
 
     __rand__ = __and__
 
@@ -165,17 +443,41 @@ class Low(Unknown):
 
     __ror__, __rxor__ = __or__, __xor__  # type: ignore[assignment]
 
-    def __lshift__(self, other: object) -> Unknown | int:  # type: ignore[override]
-        return self.bits << other if type(other) is int and other >= 29 else UNKNOWN
+    def __lshift__(self, other: object) -> Word:  # type: ignore[override]
+        return self.bits << other if type(other) is int and other >= 29 else WILD
 
-    def _lost(self, _other: object) -> Unknown:
-        return UNKNOWN
+    def _lost(self, other: object) -> Unknown:
+        return WILD
 
     __add__ = __radd__ = __sub__ = __rsub__ = __mul__ = __rmul__ = __rlshift__ = _lost
     __rshift__ = __rrshift__ = _lost
 
 
 Word = int | Unknown
+
+
+def is_wild(value: object) -> bool:
+    """Whether a word may be, or be made from, an address in the stack."""
+    return isinstance(value, Wild | Stack | Stacks | Low)
+
+
+def range_of(value: object) -> Range | None:
+    """The values of a word; None for one that may be an address in the stack."""
+    if type(value) is int:
+        return domain.constant(value)
+    if type(value) is Some:
+        return value.range
+    return None if is_wild(value) else TOP
+
+
+def made(values: Range) -> Word:
+    """A word out of a range."""
+    return values.low if values.n == 0 and values.values is None else Some(values)
+
+
+def fresh(values: Range = TOP) -> Some:
+    """A word of which nothing else is known."""
+    return Some(values)
 
 
 def _bits(value: object) -> int | None:
@@ -186,9 +488,9 @@ def _bits(value: object) -> int | None:
     return value.bits if type(value) is Low else None
 
 
-def _low_bits(a: object, b: object, combine) -> Unknown:  # type: ignore[no-untyped-def]
+def _low_bits(a: object, b: object, combine: Callable[[int, int], int]) -> Unknown:
     first, second = _bits(a), _bits(b)
-    return UNKNOWN if first is None or second is None else Low(combine(first, second))
+    return WILD if first is None or second is None else Low(combine(first, second))
 
 
 def signed(value: int) -> int:
@@ -197,9 +499,49 @@ def signed(value: int) -> int:
 
 
 def merge(a: Word, b: Word) -> Word:
-    """A value that covers both."""
-    if a is b or (type(a) is int and type(b) is int and a == b):
+    """A word that covers both."""
+    if a is b:
         return a
-    if type(a) is Stack and type(b) is Stack and a.offset == b.offset:
-        return a
-    return UNKNOWN
+    kind, other = type(a), type(b)
+    if kind is int and other is int:
+        return a if a == b else Some(domain.of((a, b)))  # type: ignore[arg-type]
+    if (kind is int or kind is Some) and (other is int or other is Some):
+        one = Range(a, 0, 0) if kind is int else a.range  # type: ignore[union-attr,arg-type]
+        two = Range(b, 0, 0) if other is int else b.range  # type: ignore[union-attr,arg-type]
+        return Some(domain.join(one, two))
+    if is_wild(a) or is_wild(b):
+        first, second = _offsets(a), _offsets(b)
+        if first is None or second is None:
+            return WILD
+        return a if kind is Stack and first == second else Stacks(domain.join(first, second))
+    return Some(TOP)
+
+
+def _offsets(value: Word) -> Range | None:
+    if type(value) is Stack:
+        return domain.constant(value.offset)
+    return value.offsets if type(value) is Stacks else None
+
+
+def covers(wide: Word, word: Word) -> bool:
+    """Whether every value of `word` is one of `wide`."""
+    if wide is word or wide is WILD:
+        return True
+    if is_wild(wide) or is_wild(word):
+        first, second = _offsets(wide), _offsets(word)
+        return first is not None and second is not None and domain.includes(first, second)
+    if type(wide) not in (int, Some, Unknown):
+        return False
+    one, two = range_of(wide), range_of(word)
+    return one is not None and two is not None and domain.includes(one, two)
+
+
+def widened(old: Word, new: Word) -> Word:
+    """A word that covers both and grows in few steps."""
+    if covers(old, new):
+        return merge(old, new)
+    if is_wild(old) or is_wild(new):
+        return WILD
+    one, two = range_of(old), range_of(new)
+    assert one is not None and two is not None
+    return Some(domain.widen(one, two, ()))
