@@ -236,7 +236,7 @@ class _Block:
 
     def _conditional(self, last: Instruction, condition: str, asked: str) -> None:
         """The end of a block that may fall through."""
-        self.emit(f"try: go = {condition}")
+        self.emit(f"try: go = bool({condition})")
         self.emit("except Undecided:")
         self.emit(f"    r[22] = ({asked})")
         self.emit("    raise")

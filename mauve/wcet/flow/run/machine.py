@@ -41,7 +41,9 @@ from mauve.wcet.flow.run.words import UNKNOWN, Some, Stack, Undecided, Word, fre
 
 MOST_DEPTH = 1_500
 """Calls inside each other."""
-OFTEN = 4_000
+LONG = 2_000
+"""Iterations after which a proof of a loop's bound is asked for where paths have parted."""
+OFTEN = 30_000
 """Instructions after which the clock is looked at."""
 FORK = 1_000
 """A fork counts as so many instructions."""
@@ -69,7 +71,7 @@ class Machine:
         self.registers: list[Any] = []
         self.steps, self.limit, self.deadline, self.look_again = 0, limit, deadline, 0
         self.targets: dict[int, set[int]] = {}
-        self.depth = 0
+        self.depth, self.parted = 0, False
         self.active: dict[int, int] = {}
 
     def run(self, entry: int) -> int:
@@ -244,7 +246,9 @@ class Machine:
         """One more iteration of a loop. Raises Impossible where a proof says that there is none."""
         now = frame.now
         count = now.current[loop] + 1
-        if frame.open.get(loop, 0) > ASKING or loop in frame.function.limits:
+        # A path with values that no execution has may go on for ever.
+        asks = frame.open.get(loop, 0) > ASKING or (count % LONG == 0 and self.parted)
+        if asks or loop in frame.function.limits:
             limit = self._limit(frame.function, loop)
             if limit is not None and count > limit:
                 raise Impossible
@@ -422,6 +426,7 @@ class Machine:
             self._check_time()
         asked = self.registers[ASKED] or (None, 0, False)
         self.registers[ASKED] = None
+        self.parted = True
         self._count_open(frame, block)
         if len(asked) > 3:
             self._run_apart(frame, block, *asked)

@@ -200,9 +200,25 @@ class Memory:
     def store_byte(self, address: Word, value: Word, site: int) -> None:
         """Write the low byte of a value."""
         keys = self._places(address, value, site, 1)
+        if len(keys) == 1:
+            self._put_parts(keys[0], (value & 0xFF if type(value) is int else value,))
+        elif keys:
+            self._put_somewhere(keys, _byte(value))
+
+    def _put_somewhere(self, keys: Sequence[int], value: Word) -> None:
+        """Write a byte to one of several places."""
+        places: dict[int, list[int]] = {}
         for key in keys:
-            part = value if len(keys) == 1 else merge(self._byte_at(key), _byte(value))
-            self._put_parts(key, (part & 0xFF if type(part) is int else part,))
+            places.setdefault(key & ~3, []).append(key & 3)
+        for base, positions in places.items():
+            if not self._writable(base):
+                continue
+            parts = list(parts_of(self._cell(base)))
+            for position in positions:
+                part = parts[position]
+                before = _byte(part.value >> 8 * part.index) if type(part) is Half else _byte(part)  # type: ignore[arg-type]
+                parts[position] = merge(before, value)
+            self.cells[base] = _joined(parts)
 
     def store_half(self, address: Word, value: Word, site: int) -> None:
         """Write the low two bytes of a value."""
@@ -314,22 +330,20 @@ class Memory:
                 return word
             parts: list[Part] = [word >> 8 * i & 0xFF for i in range(4)]
         else:
-            # Not in one segment: a byte that lies in none is a device's, and may be another one each time.
             parts = [self._initial_byte(key + i) for i in range(4)]
-            if any(type(part) is not int for part in parts):
-                return parts if any(type(part) is int for part in parts) else fresh()
+            if all(part is UNKNOWN for part in parts):
+                return fresh()
         cell = self._as_given(key, parts)
         if type(cell) is not int:
             _lowest(layer).cells[key] = cell
         return cell
 
     def _initial_byte(self, address: int) -> Part:
-        """A byte that was not written yet, of a word that does not lie in one segment."""
+        """A byte that was not written yet, of a word that does not lie in one segment; one that lies in none is a
+        device's, and may be another one each time."""
         number = bisect_right(self._starts, address) - 1
         if number < 0 or address >= self._segments[number].end:
-            return fresh(BYTE)
-        if any(one.start <= address < one.end for one in self._given):
-            return fresh(BYTE)
+            return UNKNOWN
         segment = self._segments[number]
         place = address - segment.address
         return segment.data[place] if place < len(segment.data) else 0
@@ -400,13 +414,14 @@ class Memory:
             return _byte(part.value >> 8 * part.index) if not is_wild(part.value) else WILD
         value = _byte(part)  # type: ignore[arg-type]
         if type(value) is Some:
-            if value is not part:
+            if value is not part and part is not UNKNOWN:
                 # The same byte, as it will be read again.
                 changed = list(cell)
                 changed[key & 3] = value
                 if base in self.cells:
                     self.cells[base] = changed
-            value.home = (key, 1)
+            if part is not UNKNOWN:
+                value.home = (key, 1)
         return value
 
     def _signed_byte_at(self, key: int) -> Word:
@@ -448,7 +463,11 @@ class Memory:
     def _apart(self, key: int) -> list[Part]:
         """Four bytes of which nothing is known, in the place of a word of which nothing is known."""
         parts: list[Part] = [fresh(BYTE) for _ in range(4)]
-        self.cells[key] = parts
+        layer = self.layer
+        while key not in layer.cells and layer.below is not None:
+            layer = layer.below
+        # Where the word is: for other paths as well, four bytes say as much as the word did.
+        layer.cells[key] = parts
         return parts
 
     # ------------------------------------------------------------------------------------------------ paths

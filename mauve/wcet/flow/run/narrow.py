@@ -76,7 +76,17 @@ def sides(flags: Flags | None, code: int, negated: bool) -> tuple[dict[int, Word
 
 
 def _changes(found: list[tuple[Word, Range, Range]] | tuple[tuple[Word, Range, Range], ...]) -> Told:
-    return [(word, kept) for word, before, kept in found if type(word) is Some and kept != before]
+    changes = [(word, kept) for word, before, kept in found if type(word) is Some and kept != before]
+    for word, kept in changes[:]:
+        if word.low is None or kept.n:
+            continue
+        # The low bits are known of the word that it was made of.
+        whole, bits, by = word.low
+        numbers = domain.progression(kept.low >> by, 1 << bits, (1 << 32 - bits) - 1)
+        congruent = domain.clip(numbers, whole.range.low, whole.range.high)
+        if congruent is not None and congruent.size < whole.range.size:
+            changes.append((whole, congruent))
+    return changes
 
 
 def _against_zero(a: Range, code: int, is_true: bool) -> Range | None:

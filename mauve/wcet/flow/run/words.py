@@ -96,16 +96,18 @@ class Some(Unknown):
     """One word out of a range that is no address in the stack.
 
     `home` is a place in memory (address and size) that it was found in or put to. A word that is the sum of another and
-    a number has that other as its `root` and the number as its `offset`.
+    a number has that other as its `root` and the number as its `offset`. `low` (a word, bits, shift): it is that many
+    low bits of the word, shifted to the left.
     """
 
-    __slots__ = ("home", "offset", "range", "root")
+    __slots__ = ("home", "low", "offset", "range", "root")
 
     def __init__(self, values: Range, root: Some | None = None, offset: int = 0) -> None:
         self.range = values
         self.root = root
         self.offset = offset
         self.home: tuple[int, int] | None = None
+        self.low: tuple[Some, int, int] | None = None
 
     @property
     def base(self) -> Some:
@@ -150,7 +152,10 @@ class Some(Unknown):
     __rmul__ = __mul__  # type: ignore[assignment]
 
     def __lshift__(self, other: object) -> Word:  # type: ignore[override]
-        return self._with(Op.SHL, other)
+        found = self._with(Op.SHL, other)
+        if type(found) is Some and type(other) is int and 0 < other < 32:
+            found.low = (self, 32 - other, other)
+        return found
 
     def __rshift__(self, other: object) -> Word:
         return self._with(Op.LSR, other)
@@ -170,7 +175,12 @@ class Some(Unknown):
     def __and__(self, other: object) -> Word:
         if other is self or (type(other) is int and _keeps(other, self.range)):
             return self
-        return self._with(Op.AND, other)
+        if type(other) is Some and other.base is self.base and (other.offset - self.offset) & MASK in (1, MASK):
+            return _less_a_bit(self if (self.offset - other.offset) & MASK == 1 else other)
+        found = self._with(Op.AND, other)
+        if type(found) is Some and type(other) is int and other & (other + 1) == 0:
+            found.low = (self, other.bit_length(), 0)
+        return found
 
     __rand__ = __and__
 
@@ -228,6 +238,16 @@ class Some(Unknown):
 
     def __repr__(self) -> str:
         return repr(self.range)
+
+
+def _less_a_bit(word: Some) -> Word:
+    """x & (x - 1): the lowest one is cleared, so that what is a multiple of 2**t becomes one of 2**(t + 1)."""
+    values = domain.apply(Op.AND, word.range, domain.shift(word.range, -1))
+    unit = word.range.low | word.range.step
+    step = 2 * (unit & -unit) if unit else 2
+    if step > SIGN:
+        return 0
+    return made(domain.meet(values, domain.progression(0, step, MASK // step)) or domain.constant(0))
 
 
 def _keeps(mask: int, values: Range) -> bool:
