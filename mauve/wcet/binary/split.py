@@ -9,6 +9,7 @@ node splitting".)
 
 from __future__ import annotations
 
+from collections.abc import Container
 from dataclasses import replace
 
 from mauve.wcet.binary.graph import EXIT, Block, Cfg, Edge
@@ -34,6 +35,11 @@ def split_irreducible(cfg: Cfg, growth: float = GROWTH_LIMIT) -> Cfg:
         if cfg is before:
             return cfg
         cfg = _prune(cfg)
+
+
+def restricted(cfg: Cfg, edges: Container[int]) -> Cfg:
+    """The graph with these of its edges (by index) and the blocks that they lead to."""
+    return _prune(replace(cfg, edges=tuple(edge for index, edge in enumerate(cfg.edges) if index in edges)))
 
 
 def _size(blocks: tuple[Block, ...]) -> int:

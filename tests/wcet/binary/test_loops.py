@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from mauve.wcet.binary.graph import EXIT, Block, Cfg, Edge, EdgeKind
 from mauve.wcet.binary.loops import dominator_intervals, immediate_dominators, loop_nest, successors
 from mauve.wcet.binary.microop import Condition, Instruction, Kind, Next, Traits
-from mauve.wcet.binary.split import split_irreducible
+from mauve.wcet.binary.split import restricted, split_irreducible
 
 
 def graph(following: list[list[int]]) -> Cfg:
@@ -106,3 +106,14 @@ def test_a_long_chain_needs_no_recursion() -> None:
     assert parents[size - 1] == size - 2
     (loop,) = loop_nest(graph(following)).loops
     assert loop.header == size // 2 and len(loop.blocks) == size // 2
+
+
+def test_the_edges_that_a_run_took_can_leave_a_region_one_entry() -> None:
+    """From 0 into the loop of 1 and 2 at either; the run came in at 1."""
+    cfg = graph([[1, 2], [2], [1, 3], []])
+    assert loop_nest(cfg).irreducible
+    taken = {number for number, edge in enumerate(cfg.edges) if (edge.source, edge.target) != (0, 2)}
+    kept = restricted(cfg, taken)
+    nest = loop_nest(kept)
+    assert not nest.irreducible and [kept.blocks[loop.header].address for loop in nest.loops] == [cfg.blocks[1].address]
+    assert {block.address for block in kept.blocks} == {block.address for block in cfg.blocks}

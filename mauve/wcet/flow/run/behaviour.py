@@ -6,6 +6,7 @@ function with many of them gets one behaviour that covers all (per depth of the 
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -83,6 +84,14 @@ class Behaviours:
         for edge, callees in found.calls.items():
             mine.calls.setdefault(edge, set()).update(callees)
         return number
+
+    def taken(self, functions: Collection[int]) -> dict[int, set[int]]:
+        """The edges that executions of functions (keys) passed."""
+        found: dict[int, set[int]] = {key: set() for key in functions}
+        for mine in self.all:
+            if mine.function.key in found:
+                found[mine.function.key].update(edge for edge, count in enumerate(mine.counts) if count)
+        return found
 
     def together(self, numbers: list[int]) -> int:
         """The number of a behaviour that covers these of one function."""

@@ -427,6 +427,8 @@ class Machine:
         asked = self.registers[ASKED] or (None, 0, False)
         self.registers[ASKED] = None
         self.parted = True
+        if frame.function.key in self.source.unstructured:
+            raise Lost(f"{frame.function.cfg.name} has loops with several entries")
         self._count_open(frame, block)
         if len(asked) > 3:
             self._run_apart(frame, block, *asked)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Container, Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import inf
 from time import monotonic
@@ -11,8 +11,9 @@ from typing import Any, Protocol
 from mauve.wcet.binary.callgraph import order
 from mauve.wcet.binary.elf import Binary
 from mauve.wcet.binary.graph import Cfg
-from mauve.wcet.binary.loops import LoopNest
+from mauve.wcet.binary.loops import LoopNest, loop_nest
 from mauve.wcet.binary.microop import SP, Call
+from mauve.wcet.binary.split import restricted, split_irreducible
 from mauve.wcet.flow import domain
 from mauve.wcet.flow.assumed import IN_REGISTERS
 from mauve.wcet.flow.domain import Range
@@ -90,6 +91,9 @@ class Source:
         self, functions: Functions, entry: int, arguments: Arguments | None = None, deadline: float | None = None
     ) -> None:
         self.deadline = deadline
+        self.unstructured: set[int] = set()
+        """functions that are run without their loops being known, as some have several entries"""
+        self._restricted: set[int] = set()
         self.binary, self._functions = functions.binary, functions
         self._arguments = arguments or {}
         self.cfgs = dict(functions.graphs_from(entry))
@@ -117,18 +121,31 @@ class Source:
             if self.binary.read_code(key & ~1, 2) is None:
                 raise Lost("a call goes to no code")
             self.cfgs |= self._functions.graphs_from(key)
-        cfg, nest = self.cfgs[key], self._functions.nest(key)
+        cfg = self.cfgs[key]
+        nest = loop_nest(cfg) if key in self._restricted else self._functions.nest(key)
+        if nest.irreducible and key not in self._restricted:
+            # Which of its entries such a region has in the run is known afterwards.
+            self.unstructured.add(key)
+            nest = LoopNest(())
         return cfg, nest, arrange(cfg, nest), self._groups.get(key, -1 - key)
+
+    def restrict(self, key: int, edges: Container[int]) -> None:
+        """Go on with those edges of a function's graph that a run took; that may leave its loops one entry each."""
+        self.cfgs[key] = split_irreducible(restricted(self.cfgs[key], edges))
+        self._restricted.add(key)
+        self.unstructured.discard(key)
 
     def bound(self, key: int, loop: int) -> int | None:
         """See Functions.bound_anyhow."""
+        if key in self._restricted:
+            return None
         now = monotonic()
         until = None if self.deadline is None else now + (self.deadline - now) / FOR_PROOF
         return self._functions.bound_anyhow(key, loop, until)
 
     def known(self, key: int) -> dict[int, int]:
         """Bounds of loops of a function that need no analysis: those of library routines, and what facts state."""
-        return self._functions.known_bounds(key)
+        return {} if key in self.unstructured or key in self._restricted else self._functions.known_bounds(key)
 
     def closed(self, key: int) -> bool:
         """See remembered.closed."""
@@ -203,6 +220,10 @@ def _run(source: Source, entry: int, deadline: float | None, most: int, cases: l
         address, target = unresolved.args
         machine.targets.setdefault(address, set()).add(target)
         return Ran(None, key, _found(machine), "a branch leaves the graphs")
+    if source.unstructured:
+        for key_, taken in behaviours.taken(source.unstructured).items():
+            source.restrict(key_, taken)
+        return _run(source, entry, deadline, most, cases)
     settled = behaviours.settle(behaviours.together(numbers))
     if settled is None:
         return Ran(None, key, _found(machine), "calls go round in circles")
