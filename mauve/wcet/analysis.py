@@ -7,12 +7,14 @@ from __future__ import annotations
 
 import time
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from hashlib import sha256
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from mauve.records import changed
 from mauve.wcet.cache import Cache, result_key
+from mauve.wcet.clock import Deadline, OutOfTime
 from mauve.wcet.flow.facts import Fact
 from mauve.wcet.hardware.board import Board
 from mauve.wcet.result import Problem, ProblemKind, WcetResult
@@ -70,8 +72,9 @@ def analyse_each(
             common = loaded if isinstance(loaded, Problem) else _Common(loaded, board, tuple(facts), initial_data)
         result = _failed(function, None, common) if isinstance(common, Problem) else common.analyse(function, timeout)
         result = changed(result, seconds=time.perf_counter() - started)
-        # Time or size ended it: another run may come further.
-        gave_up = any(problem.kind is ProblemKind.LIMIT for problem in result.problems)
+        # Time or size ended it, or a search for less than the bound: another run may come further.
+        late = timeout is not None and result.seconds > timeout
+        gave_up = late or any(problem.kind is ProblemKind.LIMIT for problem in result.problems)
         if cache is not None and key is not None and not gave_up:
             cache.put(key, result)
         yield result
@@ -97,6 +100,7 @@ class _Common:
         """One function, from its symbol to its result."""
         from mauve.wcet.assemble import assemble
         from mauve.wcet.binary.elf import ElfProblem
+        from mauve.wcet.flow.program import out_of_time
         from mauve.wcet.globals import global_uses
 
         symbol = self._binary.function(function if isinstance(function, str) else f"{function:#x}")
@@ -105,14 +109,21 @@ class _Common:
         core, board = self._core, self._board
         if core is None:
             return _failed(function, symbol.address, *self._problems)
+        deadline = None if timeout is None else time.monotonic() + timeout
         program = self._programs.program(symbol.key, timeout)
         bounds: dict[ContextKey, FunctionBound] = {}
-        for key, flow in program.functions.items():
-            bounds[key] = self._bound(flow, core, bounds)
+        try:
+            for key, flow in program.functions.items():
+                bounds[key] = self._bound(flow, core, bounds, deadline)
+        except OutOfTime as reason:
+            problem = out_of_time(symbol.name, symbol.address, reason, timeout)
+            program = replace(program, problems=(*program.problems, problem))
         result = assemble(symbol.name, program, bounds, core, board, self._problems, self._lines.source)
         return changed(result, globals=global_uses(program, self._binary))
 
-    def _bound(self, flow: FunctionFlow, core: Core, bounds: Mapping[ContextKey, FunctionBound]) -> FunctionBound:
+    def _bound(
+        self, flow: FunctionFlow, core: Core, bounds: Mapping[ContextKey, FunctionBound], deadline: Deadline
+    ) -> FunctionBound:
         """The bound of one function from those of its callees, computed once for the same flow and the same bounds."""
         from mauve.wcet.ipet.bottom_up import bound_function
 
@@ -121,7 +132,8 @@ class _Common:
         known = self._known.get(identity)
         if known is None:
             # The flow and the bounds are kept with the result: their identities stay theirs.
-            known = self._known[identity] = flow, callees, bound_function(flow, core, self._board, bounds)
+            bound = bound_function(flow, core, self._board, bounds, deadline=deadline)
+            known = self._known[identity] = flow, callees, bound
         return known[2]
 
 

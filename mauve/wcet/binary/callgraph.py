@@ -12,6 +12,7 @@ from mauve.wcet.binary.elf import Binary
 from mauve.wcet.binary.graph import Cfg, EdgeKind
 from mauve.wcet.binary.loops import strong_components
 from mauve.wcet.binary.subroutine import put_into_callers
+from mauve.wcet.clock import Deadline, check
 
 PROGRAM_LIMIT = 2_000_000
 """How many instructions of a whole program are looked at before giving up."""
@@ -47,16 +48,18 @@ class Graphs:
         self.instructions = 0
         """how many instructions all graphs hold"""
 
-    def program(self, entry: int) -> Mapping[int, Cfg]:
-        """The graphs of `entry` (a key) and of everything it calls, by key."""
+    def program(self, entry: int, deadline: Deadline = None) -> Mapping[int, Cfg]:
+        """The graphs of `entry` (a key) and of everything it calls, by key. Raises OutOfTime: what is not complete
+        then is not kept."""
         if entry not in self._settled:
-            self._settle(entry)
+            self._settle(entry, deadline)
         return {key: self._settled[key] for key in _reachable(self._settled, entry)}
 
-    def _settle(self, entry: int) -> None:
+    def _settle(self, entry: int, deadline: Deadline) -> None:
         control, cfgs = self._control, dict[int, Cfg]()
         while True:
-            self._close(entry, control, cfgs)
+            self._close(entry, control, cfgs, deadline)
+            check(deadline, entry & ~1, self._binary.name_at(entry))
             everything = ChainMap(cfgs, self._settled)
             known = {key: everything[key] for key in _reachable(everything, *cfgs)}
             silent = _without_return(known) - control.no_return
@@ -70,7 +73,7 @@ class Graphs:
                 control = replace(control, inline=control.inline | rings)
                 affected = [key for key, cfg in cfgs.items() if rings & set(_tail_callees(cfg))]
             for key in affected:
-                cfgs[key] = build_cfg(self._binary, key, control, self._decoder)
+                cfgs[key] = build_cfg(self._binary, key, control, self._decoder, deadline=deadline)
         self._control = control
         known = put_into_callers(known, self._binary)
         for key in _reachable(known, entry):
@@ -78,7 +81,7 @@ class Graphs:
                 self._settled[key] = known[key]
                 self.instructions += _size(known[key])
 
-    def _close(self, entry: int, control: Control, cfgs: dict[int, Cfg]) -> None:
+    def _close(self, entry: int, control: Control, cfgs: dict[int, Cfg], deadline: Deadline) -> None:
         """Add the graphs of all functions that are called and not there yet."""
         work = [entry, *(key for cfg in cfgs.values() for key in callees(cfg))]
         spent = sum(_size(cfg) for cfg in cfgs.values())
@@ -88,7 +91,7 @@ class Graphs:
                 continue
             closed = key in control.closed
             limit = CLOSED_LIMIT if closed else max(1, min(INSTRUCTION_LIMIT, self._limit - spent))
-            cfg = build_cfg(self._binary, key, control, self._decoder, limit)
+            cfg = build_cfg(self._binary, key, control, self._decoder, limit, deadline)
             if closed:
                 cfg = replace(cfg, edges=tuple(replace(edge, callees=()) for edge in cfg.edges))
             spent += _size(cfg)

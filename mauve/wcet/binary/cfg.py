@@ -28,10 +28,13 @@ from mauve.wcet.binary.microop import (
     TableJump,
 )
 from mauve.wcet.binary.resolve import Code, Resolution, computes_return, link_before, link_of_jump, resolve
+from mauve.wcet.clock import Deadline, OutOfTime, is_over
 
 INSTRUCTION_LIMIT = 400_000
 """How many instructions of one function are looked at before giving up."""
 _ROUNDS = 64
+_AT_ONCE = 128
+"""Instructions that are decoded between two looks at the clock."""
 _HELPER_LENGTH = 16
 
 
@@ -67,10 +70,11 @@ def build_cfg(
     control: Control | None = None,
     decoder: Decoder | None = None,
     limit: int = INSTRUCTION_LIMIT,
+    deadline: Deadline = None,
 ) -> Cfg:
     """The graph of the function entered at `key` (its address, bit 0 set for Thumb). `limit` bounds the instructions
-    looked at; a `decoder` may be shared between calls for one binary."""
-    exploration = _Exploration(binary, key, control or Control(), decoder or Decoder(binary.read_code), limit)
+    looked at; a `decoder` may be shared between calls for one binary. Raises OutOfTime."""
+    exploration = _Exploration(binary, key, control or Control(), decoder or Decoder(binary.read_code), limit, deadline)
     exploration.run()
     return exploration.assemble()
 
@@ -81,8 +85,11 @@ _ENDS = (Jump, CompareBranch, Call, IndirectJump, IndirectCall, TableJump, Stop)
 class _Exploration:
     """The worklist over one function's code, and what it has found."""
 
-    def __init__(self, binary: Binary, key: int, control: Control, decoder: Decoder, limit: int) -> None:
+    def __init__(
+        self, binary: Binary, key: int, control: Control, decoder: Decoder, limit: int, deadline: Deadline
+    ) -> None:
         self.binary, self.key, self.control, self.decoder, self.limit = binary, key, control, decoder, limit
+        self.deadline = deadline
         self.code = Code(binary, key)
         self.owner: dict[int, int] = {}
         self.states: dict[int, int] = {}
@@ -106,6 +113,7 @@ class _Exploration:
     def _resolve_all(self) -> bool:
         changed = False
         for address, before in list(self.indirect.items()):
+            self._check_time(address)
             instruction = self.code.instructions[address]
             found = self._resolution(instruction)
             if found == before and address in self.outs:
@@ -131,6 +139,8 @@ class _Exploration:
                 if known.thumb != thumb or self.states[address] != state:
                     self._hole(address, UnresolvedKind.DECODE, "is reached in two different processor states")
                 return
+            if len(self.code.instructions) % _AT_ONCE == 0:
+                self._check_time(address)
             if address >= next_mark:
                 next_mark = self._check_content(address, thumb)
             if next_mark < 0 or len(self.code.instructions) >= self.limit:
@@ -184,6 +194,10 @@ class _Exploration:
         where = self.binary.name_at(problem.address)
         message = f"the {'Thumb' if thumb else 'A32'} code {shown} in {where} {problem.message}"
         self._hole(problem.address, UnresolvedKind.DECODE, message)
+
+    def _check_time(self, address: int) -> None:
+        if is_over(self.deadline):
+            raise OutOfTime(address, self.binary.name_at(self.key))
 
     def _hole(self, address: int, kind: UnresolvedKind, message: str) -> None:
         self.holes.setdefault(address, Unresolved(address, kind, message))

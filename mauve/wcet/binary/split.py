@@ -14,6 +14,7 @@ from dataclasses import replace
 
 from mauve.wcet.binary.graph import EXIT, Block, Cfg, Edge
 from mauve.wcet.binary.loops import loop_nest
+from mauve.wcet.clock import Deadline, check
 
 GROWTH_LIMIT = 4.0
 """How many times the instructions of the function the result may have."""
@@ -21,14 +22,15 @@ _SMALL = 2000
 """Instructions that are always allowed, whatever the growth."""
 
 
-def split_irreducible(cfg: Cfg, growth: float = GROWTH_LIMIT) -> Cfg:
+def split_irreducible(cfg: Cfg, growth: float = GROWTH_LIMIT, deadline: Deadline = None) -> Cfg:
     """A graph with the same paths and no irreducible region, as far as the growth limit lets it. Copies of a block
-    share its instructions; in a graph with copies, block ids no longer follow addresses."""
+    share its instructions; in a graph with copies, block ids no longer follow addresses. Raises OutOfTime."""
     allowed = max(_SMALL, int(growth * _size(cfg.blocks)))
     while True:
         regions = loop_nest(cfg).irreducible
         before = cfg
         for region in regions:
+            check(deadline, cfg.address, cfg.name)
             attempt = _split(cfg, region)
             if _size(attempt.blocks) <= allowed:
                 cfg = attempt

@@ -9,7 +9,6 @@ the caller and by a budget of steps: a stepped loop that exceeds its share is su
 from __future__ import annotations
 
 from collections.abc import Sequence
-from time import monotonic
 
 from mauve.wcet.binary.graph import EXIT, Edge, EdgeKind
 from mauve.wcet.binary.microop import (
@@ -27,6 +26,7 @@ from mauve.wcet.binary.microop import (
     Store,
     TableJump,
 )
+from mauve.wcet.clock import check
 from mauve.wcet.flow import closed_form, domain, flags, joining, linear
 from mauve.wcet.flow.closed_form import Stay
 from mauve.wcet.flow.domain import Range
@@ -50,6 +50,8 @@ MOST_ROUGH = 6
 """Attempts at a rough header."""
 MANY = 64
 """Iterations after which a loop whose exits depend on wide ranges is not stepped to its end."""
+AT_ONCE = 64
+"""Instructions between two looks at the clock."""
 MOST_SPLITS = 8
 """In a block, conditional instructions split a state at most into this many."""
 
@@ -339,10 +341,11 @@ class Execution:
             self.summary_steps += len(instructions) * len(states)
         if self.summary_steps > self.policy.most:
             raise GaveUp
-        if self.deadline is not None and monotonic() > self.deadline:
-            raise GaveUp(for_time=True)
         states = [state.copy() for state in states]
-        for instruction in instructions[:-1]:
+        check(self.deadline, instructions[0].address, self.order.cfg.name)
+        for number, instruction in enumerate(instructions[:-1]):
+            if number % AT_ONCE == AT_ONCE - 1:
+                check(self.deadline, instruction.address, self.order.cfg.name)
             states = self._instruction(instruction, states)
         self._note_stay(block, instructions[-1], states)
         if self.watching is not None and block in self.watching.blocks:

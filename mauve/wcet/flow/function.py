@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from mauve.wcet.binary.graph import Cfg
 from mauve.wcet.binary.loops import Loop
 from mauve.wcet.binary.microop import Compute, Imm, Instruction, SetFlags
+from mauve.wcet.clock import check
 from mauve.wcet.flow.closed_form import MOST
 from mauve.wcet.flow.domain import MASK, SIGN, Range
 from mauve.wcet.flow.execute import Execution
@@ -23,6 +24,9 @@ WIDTH = 8
 
 LIGHT = 1_500
 """Instructions of the first attempt to step through loops, before ranking arguments are sought."""
+
+MOST_PASSES = 16
+"""Passes over a large function, on average, whatever `Limits.most` says."""
 
 Ranking = Callable[[Loop, Record], tuple[int, str] | None]
 
@@ -91,14 +95,16 @@ def analyse_function(
 ) -> FunctionResult:
     """Analyse a function from an entry state. `given` are bounds proven or stated elsewhere. Where not `thorough`, a
     loop that resists ranking arguments stays without a bound, and `attempt` of the result lets a later analysis from
-    the same state go on there. Raises GaveUp."""
+    the same state go on there. Raises GaveUp, OutOfTime."""
     if attempt is None:
         attempt = Attempt([], dict(given), {loop: bound.bound for loop, bound in given.items()})
     records, bounds, known = attempt.records, attempt.bounds, attempt.known
-    marks = thresholds(order.cfg)
+    marks = thresholds(order.cfg) if order.nest.loops else []
+
+    most = max(limits.most, MOST_PASSES * sum(len(block.instructions) for block in order.cfg.blocks))
 
     def execute(stepped: frozenset[int], width: int = 1, steps: int = limits.steps) -> Record:
-        policy = Policy(stepped, width, steps, most=limits.most)
+        policy = Policy(stepped, width, steps, most=most)
         execution = Execution(order, image, calls, policy, marks, known, limits.deadline)
         record = execution.execute(entry.copy())
         if width == 1:
@@ -115,6 +121,7 @@ def analyse_function(
         if first and _missing(records, known):
             records.append(execute(loops, steps=LIGHT))
         for loop in _missing(records, known) if first else ():
+            check(limits.deadline, order.cfg.blocks[order.nest.loops[loop].header].address, order.cfg.name)
             found = ranking(order.nest.loops[loop], records[0]) if ranking is not None else None
             if found is not None:
                 attempt.settled = False
@@ -125,9 +132,8 @@ def analyse_function(
             records.append(execute(loops - attempt.hopeless))
         if thorough and _missing(records, known):
             records.append(execute(_relatives(order, _missing(records, known)), WIDTH))
-    except GaveUp as reason:
-        if reason.for_time:
-            raise
+    except GaveUp:
+        pass
     result = _merge(order, records, bounds)
     result.attempt = attempt if result.unbounded and not thorough else None
     return result

@@ -18,6 +18,7 @@ from mauve.wcet.binary.elf import Binary
 from mauve.wcet.binary.graph import Cfg, UnresolvedKind
 from mauve.wcet.binary.loops import Loop, LoopNest, loop_nest
 from mauve.wcet.binary.split import split_irreducible
+from mauve.wcet.clock import OutOfTime, check
 from mauve.wcet.flow import effects
 from mauve.wcet.flow.domain import MASK, Range
 from mauve.wcet.flow.effects import ARGUMENTS, UNKNOWN, ProgramCalls, Summary
@@ -93,7 +94,8 @@ class _Family:
 
 
 class Functions:
-    """See the module's description. `curtailed` says that time ended an analysis: nothing here should be used again."""
+    """See the module's description. What raises OutOfTime keeps nothing that is not complete; `curtailed` says that a
+    proof asked for by a run ended so: no more are begun."""
 
     def __init__(self, binary: Binary, image: Image, control: Control, given: Given, limits: Limits) -> None:
         self.binary = binary
@@ -132,10 +134,13 @@ class Functions:
 
     def graphs_from(self, entry: int) -> dict[int, Cfg]:
         """The graphs of everything that `entry` reaches, by key, irreducible regions split."""
-        graphs = self.graphs.program(entry)
+        deadline = self.limits.deadline
+        graphs = self.graphs.program(entry, deadline)
         for key, cfg in graphs.items():
             if key not in self.cfgs:
-                self.cfgs[key] = without_calls(cfg) if self.is_closed(cfg) else split_irreducible(cfg)
+                check(deadline, cfg.address, cfg.name)
+                closed = self.is_closed(cfg)
+                self.cfgs[key] = without_calls(cfg) if closed else split_irreducible(cfg, deadline=deadline)
         reached, waiting = {entry: self.cfgs[entry]}, [entry]
         while waiting:
             fresh = [key for key in callgraph.callees(self.cfgs[waiting.pop()]) if key not in reached]
@@ -153,10 +158,13 @@ class Functions:
         bound = self.known_bounds(key).get(loop)
         if bound is None and not self.curtailed:
             before = self.limits
-            self.settle(key, deadline)
-            default = self.default(key)
-            found = None if default is None else default.flow.bounds.get(loop)
-            bound = None if found is None else found.bound
+            try:
+                self.settle(key, deadline)
+                default = self.default(key)
+                found = None if default is None else default.flow.bounds.get(loop)
+                bound = None if found is None else found.bound
+            except OutOfTime:
+                self.curtailed = True
             self.limits = before
         return bound
 
@@ -201,9 +209,8 @@ class Functions:
             return bare
         try:
             return self._full(name, cfg, nest, state, depth, family, thorough, attempt)
-        except GaveUp as reason:
-            self.curtailed = self.curtailed or reason.for_time
-            message = f"the analysis of {cfg.name} takes more steps or time than allowed"
+        except GaveUp:
+            message = f"the analysis of {cfg.name} takes more steps than allowed"
             problem = Problem(ProblemKind.LIMIT, message, cfg.address, cfg.name)
             return replace(bare, flow=replace(bare.flow, problems=(problem,)))
 
@@ -230,10 +237,12 @@ class Functions:
         if any(other in self.comparing for other in compares):
             compares = ()
         self.comparing |= set(compares)
-        for other in compares:
-            self.settle(other, self.limits.deadline)
-            self.default(other)
-        self.comparing -= set(compares)
+        try:
+            for other in compares:
+                self.settle(other, self.limits.deadline)
+                self.default(other)
+        finally:
+            self.comparing -= set(compares)
         found = sorted_flow(known, cfg, nest, arguments, compares)
         self.stated[key] = self.given.bounds(cfg, nest)
         stated = self.stated[key].bounds

@@ -17,6 +17,7 @@ from mauve.wcet.binary.elf import Binary
 from mauve.wcet.binary.graph import EXIT
 from mauve.wcet.binary.lines import LineTable
 from mauve.wcet.binary.microop import IndirectCall, IndirectJump, Instruction
+from mauve.wcet.clock import OutOfTime, is_over
 from mauve.wcet.flow import domain
 from mauve.wcet.flow.assumed import Assumed
 from mauve.wcet.flow.domain import MASK, Range
@@ -28,7 +29,7 @@ from mauve.wcet.flow.recursion import unroll
 from mauve.wcet.flow.result import ContextKey, FunctionFlow, ProgramFlow
 from mauve.wcet.flow.state import ABSOLUTE, Cells, State
 from mauve.wcet.hardware.board import Board
-from mauve.wcet.result import Problem
+from mauve.wcet.result import Problem, ProblemKind
 
 if TYPE_CHECKING:
     from mauve.wcet.flow.run.program import Ran
@@ -113,13 +114,16 @@ class Programs:
         """Everything that flow analysis finds out about `entry_key` and what it calls.
 
         `initial_data` starts from the linked data instead of unknown globals. `timeout` is in seconds. Holes are
-        problems in the result; no input makes this raise.
+        problems in the result, and so is the end of the time; no input makes this raise.
         """
         deadline = self._limits.deadline if timeout is None else monotonic() + timeout
         ran = self._run(entry_key, deadline) if self._initial_data else None
         if ran is not None and not _open(ran):
             return ran
-        analysed = self._analysed(entry_key, deadline)
+        try:
+            analysed = self._analysed(entry_key, deadline)
+        except OutOfTime as reason:
+            return self._unfinished(entry_key, reason, timeout) if ran is None else ran
         return analysed if ran is None or _open(analysed) < _open(ran) else ran
 
     def _analysed(self, entry_key: int, deadline: float | None) -> ProgramFlow:
@@ -138,6 +142,11 @@ class Programs:
         if any(functions.curtailed for functions in self._shared.values()):
             self._shared.clear()
         return flow
+
+    def _unfinished(self, entry: int, reason: OutOfTime, timeout: float | None) -> ProgramFlow:
+        """The result when time ended the analysis: no function has a bound, and the problem says where it was."""
+        problem = out_of_time(self._binary.name_at(entry), entry & ~1, reason, timeout)
+        return ProgramFlow((entry, ""), {}, (problem,), (), (*ASSUMPTIONS, *self._given.assumed.sentences))
 
     def _run(self, entry: int, deadline: float | None) -> ProgramFlow | None:
         """The program executed from its linked data; None where that could not go on to its end."""
@@ -158,7 +167,10 @@ class Programs:
         for _ in range(RUNS):
             functions = self._functions({address: tuple(sorted(targets)) for address, targets in found.items()})
             functions.limits = replace(functions.limits, deadline=until)
-            ran = run_program(Source(functions, entry, assumed.arguments, until), entry, until, given=given)
+            try:
+                ran = run_program(Source(functions, entry, assumed.arguments, until), entry, until, given=given)
+            except OutOfTime:
+                return None
             if ran.flows is not None:
                 return _with_facts(ran, self._given)
             grown = {at: found.get(at, frozenset()) | more for at, more in ran.targets.items()}
@@ -300,11 +312,18 @@ class _Program:
             contexts = (c if isinstance(c, Analysed) else (self.functions.default(c) or c) for c in callees)
             if index not in function.flow.infeasible:
                 calls[index] = tuple(names[c] if isinstance(c, Analysed) else (c, "") for c in contexts)
-        late = self.deadline is not None and monotonic() > self.deadline
-        excluded = () if late else self.functions.exclusive(function.name[0])
+        excluded = () if is_over(self.deadline) else self.functions.exclusive(function.name[0])
         if function.flow.calls != calls or function.flow.exclusive != excluded:
             function.flow = replace(function.flow, calls=calls, exclusive=excluded)
         return function.flow
+
+
+def out_of_time(name: str, address: int, reason: OutOfTime, timeout: float | None) -> Problem:
+    """What is said when time ended the analysis of a function."""
+    allowed = "is allowed" if timeout is None else f"the {timeout:g} s that it may take"
+    where = f": it was at {reason.function}" if reason.function and reason.function != name else ""
+    at = address if reason.address is None else reason.address
+    return Problem(ProblemKind.LIMIT, f"the analysis of {name} takes longer than {allowed}{where}", at, reason.function)
 
 
 def _open(flow: ProgramFlow) -> int:

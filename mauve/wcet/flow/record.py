@@ -63,7 +63,4 @@ class Exhausted(Exception):
 
 
 class GaveUp(Exception):
-    """The analysis of a function takes more steps or time (`for_time`) than it may."""
-
-    def __init__(self, for_time: bool = False) -> None:
-        self.for_time = for_time
+    """The analysis of a function takes more steps than it may."""

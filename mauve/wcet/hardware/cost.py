@@ -18,13 +18,20 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 from mauve.wcet.binary.graph import EXIT, Block, Cfg, Edge, EdgeKind
-from mauve.wcet.binary.microop import CompareBranch, Condition, Next
+from mauve.wcet.binary.microop import CompareBranch, Condition, Instruction, Next
+from mauve.wcet.clock import Deadline, check
 from mauve.wcet.hardware.board import Board
 from mauve.wcet.hardware.conditions import outcomes
 from mauve.wcet.hardware.core import Core, CoreModel
 from mauve.wcet.hardware.memory import MemoryMap, memory_map
 from mauve.wcet.hardware.step import FETCH_AHEAD, REFILL_FETCHES, Accesses, Step, Untimed, make_step
 from mauve.wcet.result import Problem, ProblemKind
+
+Known = dict[tuple[object, ...], Step | Untimed]
+"""Steps by what they depend on: the identities of the parts of an instruction, its condition, the wait for code."""
+
+_AT_ONCE = 128
+"""Instructions between two looks at the clock."""
 
 Pending = dict[int, tuple[int, int]]
 """Registers that cannot be read yet: cycles still to go, and the same for store data and accumulators."""
@@ -39,19 +46,26 @@ class EdgeCosts:
 
 
 def edge_costs(
-    cfg: Cfg, core: Core, board: Board, accesses: Accesses, infeasible: frozenset[int] = frozenset()
+    cfg: Cfg,
+    core: Core,
+    board: Board,
+    accesses: Accesses,
+    infeasible: frozenset[int] = frozenset(),
+    deadline: Deadline = None,
 ) -> EdgeCosts:
     """The cycles of every edge of a function on a core with the board's memories, 0 for infeasible edges.
 
-    Problems: an instruction the core has no time for (HARDWARE), code outside the board's memories (OUTSIDE).
+    Problems: an instruction the core has no time for (HARDWARE), code outside the board's memories (OUTSIDE). Raises
+    OutOfTime.
     """
     memory = memory_map(board)
     reachable = _reachable(cfg, infeasible)
     problems = list(_outside(cfg, memory, reachable))
     steps: dict[int, tuple[Step, ...]] = {}
+    known: Known = {}
     for block in cfg.blocks:
         if block.id in reachable:
-            made = _block_steps(cfg, block, core, memory, accesses, problems)
+            made = _block_steps(cfg, block, core, memory, accesses, problems, known, deadline)
             if made is not None:
                 steps[block.id] = made
     if problems or not cfg.blocks:
@@ -69,6 +83,7 @@ def edge_costs(
     while waiting:
         block_id = waiting.popleft()
         queued.discard(block_id)
+        check(deadline, cfg.blocks[block_id].address, cfg.name)
         leave = _Leaving(steps[block_id], pending[block_id])
         for index in outgoing.get(block_id, ()):
             edge = cfg.edges[index]
@@ -239,16 +254,29 @@ def _join(states: dict[int, Pending], block: int, arriving: Pending) -> bool:
 
 # ------------------------------------------------------------------------------------------------------ functions
 def _block_steps(
-    cfg: Cfg, block: Block, core: Core, memory: MemoryMap, accesses: Accesses, problems: list[Problem]
+    cfg: Cfg,
+    block: Block,
+    core: Core,
+    memory: MemoryMap,
+    accesses: Accesses,
+    problems: list[Problem],
+    known: Known,
+    deadline: Deadline,
 ) -> tuple[Step, ...] | None:
-    """The steps of a block; instructions without a time and accesses outside all memories are added to `problems`."""
+    """The steps of a block; instructions without a time and accesses outside all memories are added to `problems`;
+    `known` are the steps of this function's instructions, by what they depend on."""
     steps = []
-    for instruction in block.instructions:
-        for index in range(len(instruction.ops)):
+    for number, instruction in enumerate(block.instructions):
+        if number % _AT_ONCE == 0:
+            check(deadline, instruction.address, cfg.name)
+        anywhere = True
+        for index in range(len(instruction.ops)) if memory.memories else ():
             place = accesses.get((instruction.address, index))
-            if place is not None and not memory.reaches(place):
-                problems.append(_no_memory(cfg, instruction.address, instruction.text, place.low, place.high))
-        step = make_step(instruction, core, memory, accesses)
+            if place is not None:
+                anywhere = False
+                if not memory.reaches(place):
+                    problems.append(_no_memory(cfg, instruction.address, instruction.text, place.low, place.high))
+        step = _shared(instruction, core, memory, known) if anywhere else make_step(instruction, core, memory, accesses)
         if isinstance(step, Untimed):
             what = step.timing_class.replace("_", " ")
             message = f"{instruction.text}: the model of {core.title} has no time for {what}"
@@ -256,6 +284,18 @@ def _block_steps(
         else:
             steps.append(step)
     return tuple(steps) if len(steps) == len(block.instructions) else None
+
+
+def _shared(instruction: Instruction, core: Core, memory: MemoryMap, known: Known) -> Step | Untimed:
+    """The step of an instruction whose accesses go anywhere: the same for all that share their meaning and wait alike
+    for their code."""
+    wait = _ahead(memory, instruction.address)
+    same = instruction.condition, instruction.thumb, wait
+    key = id(instruction.ops), id(instruction.traits), id(instruction.flow), *same
+    step = known.get(key)
+    if step is None:
+        step = known[key] = make_step(instruction, core, memory, {})
+    return step
 
 
 def _no_memory(cfg: Cfg, address: int, text: str, low: int, high: int) -> Problem:
@@ -271,7 +311,8 @@ def _no_memory(cfg: Cfg, address: int, text: str, low: int, high: int) -> Proble
 def _outside(cfg: Cfg, memory: MemoryMap, reachable: frozenset[int]) -> Iterable[Problem]:
     """The first instruction of the function that no memory of the board holds."""
     for block in cfg.blocks:
-        for instruction in block.instructions if block.id in reachable else ():
+        whole = memory.holds_together(block.address, block.instructions[-1].end - 1)
+        for instruction in block.instructions if block.id in reachable and not whole else ():
             if not memory.holds(instruction.address, instruction.end - 1):
                 message = f"the code of {cfg.name} at {instruction.address:#x} is in no memory of the board"
                 yield Problem(ProblemKind.OUTSIDE, message, instruction.address, cfg.name)

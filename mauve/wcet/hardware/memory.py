@@ -37,6 +37,10 @@ class MemoryMap:
             any(memory.start <= end < memory.end for memory in self.memories) for end in (low, high)
         )
 
+    def holds_together(self, low: int, high: int) -> bool:
+        """Whether the bytes from low to high lie in one memory of the board."""
+        return not self.memories or any(memory.start <= low and high < memory.end for memory in self.memories)
+
     def reaches(self, place: Bytes | None) -> bool:
         """Whether an access can touch some memory; an unknown address can."""
         return not self.memories or place is None or any(_touches(memory, place) for memory in self.memories)

@@ -11,6 +11,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 from mauve.wcet.binary.graph import EXIT, EdgeKind
+from mauve.wcet.clock import Deadline
 from mauve.wcet.flow.result import ContextKey, FunctionFlow, ProgramFlow
 from mauve.wcet.hardware.board import Board
 from mauve.wcet.hardware.core import Core
@@ -60,11 +61,13 @@ def bound_function(
     board: Board,
     callees: Mapping[ContextKey, FunctionBound],
     method: Method = Method.AUTO,
+    deadline: Deadline = None,
 ) -> FunctionBound:
-    """The bound of one function from those of its callees; a callee that is missing has no bound."""
+    """The bound of one function from those of its callees; a callee that is missing has no bound. Raises OutOfTime;
+    where only side constraints are left to be looked at by then, the bound is the one without them."""
     live = reachable_edges(flow)
     stack = _stack(flow, callees, live)
-    costs = edge_costs(flow.cfg, core, board, flow.accesses, flow.infeasible)
+    costs = edge_costs(flow.cfg, core, board, flow.accesses, flow.infeasible, deadline)
     problems = (*flow.problems, *costs.problems, *unresolved(flow))
     if problems or flow.nest.irreducible:
         return FunctionBound(None, problems=problems, stack=stack)
@@ -85,7 +88,7 @@ def bound_function(
     missing = _unbounded(flow, live)
     if missing:
         return FunctionBound(None, problems=missing, stack=stack)
-    solution = solve(function_problem(flow, tuple(total)), method)
+    solution = solve(function_problem(flow, tuple(total)), method, deadline)
     returns = any(flow.cfg.edges[index].kind in _RETURNS for index in live)
     if solution is None or not returns:
         message = f"{flow.cfg.name} does not return: no path leads out of it"

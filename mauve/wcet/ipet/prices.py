@@ -16,6 +16,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from math import lcm
 
+from mauve.wcet.clock import Deadline, is_over
 from mauve.wcet.ipet.program import Row, passes
 from mauve.wcet.ipet.structural import Skeleton, solve_skeleton
 
@@ -52,9 +53,11 @@ class _Line:
         return self.value + self.slope * (price - self.price)
 
 
-def bound_with_rows(shape: Skeleton, rows: Sequence[Row], start: Sequence[Fraction] = ()) -> Priced | None:
+def bound_with_rows(
+    shape: Skeleton, rows: Sequence[Row], start: Sequence[Fraction] = (), deadline: Deadline = None
+) -> Priced | None:
     """The least f found from the prices in `start` (those below 0, or missing, are 0). None when no path reaches the
-    exit."""
+    exit. When the deadline is over the prices stay as they are."""
     prices: Prices = tuple(max(Fraction(0), p) for p in (*start, *(Fraction(0) for _ in rows[len(start) :])))
     best = _line(shape, rows, prices, None)
     if best is None:
@@ -65,7 +68,7 @@ def bound_with_rows(shape: Skeleton, rows: Sequence[Row], start: Sequence[Fracti
     for _ in range(ROUNDS):
         before = value
         for index in range(len(rows)):
-            if work <= 0:
+            if work <= 0 or is_over(deadline):
                 break
             found, price, counts, solved = _best_price(shape, rows, prices, index)
             value = min(value, found)

@@ -13,6 +13,7 @@ from dataclasses import replace
 from enum import Enum
 from fractions import Fraction
 
+from mauve.wcet.clock import Deadline, is_over, left
 from mauve.wcet.ipet.prices import bound_with_rows
 from mauve.wcet.ipet.problem import PathProblem, PathSolution
 from mauve.wcet.ipet.program import Row, dual_bound, limit_rows, passes, reduced_costs, rows, side_rows, violated
@@ -32,10 +33,12 @@ class Method(Enum):
     """the whole linear program by PuLP, certified by its dual values"""
 
 
-def solve(problem: PathProblem, method: Method = Method.AUTO) -> PathSolution | None:
+def solve(problem: PathProblem, method: Method = Method.AUTO, deadline: Deadline = None) -> PathSolution | None:
     """The bound of a path problem and a worst path; None when no path reaches the exit.
 
-    The result is never below the maximum of the integer linear program. `Irreducible` for a cycle outside the nest.
+    The result is never below the maximum of the integer linear program. When the deadline is over, side constraints are
+    used as far as they have been looked at: the bound is then greater, not less sure. `Irreducible` for a
+    cycle outside the nest.
     """
     shape = skeleton(problem)
     structural = solve_skeleton(shape, problem.costs)
@@ -43,12 +46,12 @@ def solve(problem: PathProblem, method: Method = Method.AUTO) -> PathSolution | 
         return structural
     if method is Method.ILP:
         return _by_ilp(problem, structural)
-    if not problem.has_sides or not violated(problem, structural.counts):
+    if not problem.has_sides or is_over(deadline) or not violated(problem, structural.counts):
         return structural
-    return _with_sides(shape, structural)
+    return _with_sides(shape, structural, deadline)
 
 
-def _with_sides(shape: Skeleton, structural: PathSolution) -> PathSolution:
+def _with_sides(shape: Skeleton, structural: PathSolution, deadline: Deadline) -> PathSolution:
     """The bound where side constraints cut off the structural solution."""
     problem = shape.problem
     method = "structural, with side constraints"
@@ -56,10 +59,10 @@ def _with_sides(shape: Skeleton, structural: PathSolution) -> PathSolution:
     if full is not None:
         return PathSolution(full[0], full[1], True, method, frozenset(f"limit_{edge}" for edge in problem.limits))
     candidates = (*side_rows(problem), *limit_rows(problem))
-    priced = _few(shape, candidates, structural, method)
+    priced = _few(shape, candidates, structural, method, deadline)
     if priced.attained:
         return priced
-    ilp = _ilp(problem)
+    ilp = None if is_over(deadline) else _ilp(problem, deadline)
     if ilp is None:
         return replace(priced, cycles=min(priced.cycles, structural.cycles))
     if ilp[0] == priced.cycles:
@@ -69,7 +72,7 @@ def _with_sides(shape: Skeleton, structural: PathSolution) -> PathSolution:
     binding = paid & {row.name for row in candidates}
     proven = min(proven, priced.cycles)
     if ilp[0] < proven:
-        again = bound_with_rows(shape, candidates, _prices(problem, candidates, multipliers))
+        again = bound_with_rows(shape, candidates, _prices(problem, candidates, multipliers), deadline)
         assert again is not None, "the structural solver found a path"
         proven, binding = min((proven, binding), (again.bound, again.paid), key=lambda found: found[0])
     return PathSolution(proven, ilp[1], ilp[0] == proven, method, binding)
@@ -85,7 +88,9 @@ def _all_limits(problem: PathProblem) -> tuple[int, tuple[int, ...]] | None:
     return sum(count * cost for count, cost in zip(counts, problem.costs, strict=True)), counts
 
 
-def _few(shape: Skeleton, candidates: Sequence[Row], structural: PathSolution, method: str) -> PathSolution:
+def _few(
+    shape: Skeleton, candidates: Sequence[Row], structural: PathSolution, method: str, deadline: Deadline
+) -> PathSolution:
     """Price the rows that the worst path breaks, then those that the next one breaks, while they are few.
 
     The result is attained where the last path keeps all rows and costs the bound: the rows not priced then cut
@@ -98,10 +103,10 @@ def _few(shape: Skeleton, candidates: Sequence[Row], structural: PathSolution, m
     while len(used) < FEW:
         names = {row.name for row in used}
         broken = [row for row in candidates if row.name not in names and passes(row, counts) > row.right]
-        if not broken or len(used) + len(broken) > FEW:
+        if not broken or len(used) + len(broken) > FEW or is_over(deadline):
             break
         used += broken
-        priced = bound_with_rows(shape, used)
+        priced = bound_with_rows(shape, used, deadline=deadline)
         assert priced is not None, "the structural solver found a path"
         if priced.bound < bound:
             bound, paid = priced.bound, priced.paid
@@ -128,11 +133,12 @@ def _by_ilp(problem: PathProblem, structural: PathSolution) -> PathSolution:
     return PathSolution(bound, counts, value == bound, "ilp, certified", binding)
 
 
-def _ilp(problem: PathProblem) -> tuple[int, tuple[int, ...], tuple[Fraction, ...]] | None:
+def _ilp(problem: PathProblem, deadline: Deadline = None) -> tuple[int, tuple[int, ...], tuple[Fraction, ...]] | None:
     """Value, edge counts and multipliers of PuLP's solution."""
     from mauve.wcet.ipet.model import solve_ilp
 
-    solution = solve_ilp(problem)
+    # The solver runs up to twice: with fractions and with integers.
+    solution = solve_ilp(problem, None if deadline is None else left(deadline) / 2)
     return None if solution is None else (solution.value, solution.counts, solution.multipliers)
 
 

@@ -202,7 +202,7 @@ def test_what_entries_share_does_not_change_their_results(order):
 def test_a_time_limit_of_one_entry_spoils_nothing_for_the_next():
     image = binary("arm7tdmi-arm-O2")
     programs, key = Programs(image, limits=LIGHT), image.function("loop_by_context").key
-    assert [p.kind.name for p in programs.program(key, 0.0).functions[key, ""].problems] == ["LIMIT"]
+    assert [p.kind.name for p in programs.program(key, 0.0).problems] == ["LIMIT"]
     assert programs.program(key) == analyse("arm7tdmi-arm-O2", "loop_by_context")
 
 
