@@ -62,7 +62,7 @@ def _fact(fact: FlowFact, key: int) -> facts.Fact:
             at: facts.Place | facts.Argument = place
             if fact.argument is not None:
                 at = facts.Argument(fact.place.symbol or "", fact.argument)
-            return facts.AssumeFact(at, fact.low, fact.high, fact.width or 0, where, key)
+            return facts.AssumeFact(at, fact.low, fact.high, fact.width or 0, where, key, fact.ends or 0)
 
 
 def _place(place: CodePlace) -> facts.Place:

@@ -119,6 +119,12 @@ def _control(item: ast.ControlFactDecl, report: Report) -> ControlFact | None:
 def _range(item: ast.AssumedRangeDecl, report: Report) -> AssumedRange | None:
     place, between = _place(item.place, report), _between(item, report)
     argument, width = item.argument, size_of(item.width, report) if item.width is not None else None
+    ends = size_of(item.ends, report) if item.ends is not None else None
+    if item.ends is not None and (argument is None or width is not None or ends == 0):
+        help_ = Fix('write `assume "function" argument 1 ends within 64B`, of at least one byte')
+        message = "a string that ends is what an argument points to"
+        report.add(Diagnostic("MV516", message, Label(item.span), help=help_))
+        return None
     if width is not None and width not in WIDTHS:
         help_ = Fix("write `each 1B`, `each 2B` or `each 4B`")
         report.add(Diagnostic("MV516", f"a number has no {width} bytes", Label(item.span), help=help_))
@@ -134,7 +140,7 @@ def _range(item: ast.AssumedRangeDecl, report: Report) -> AssumedRange | None:
         help_ = Fix('write `assume "function" argument 1 from 0 to 64`, or `assume "variable" from 0 to 64`')
         report.add(Diagnostic("MV516", what, Label(item.place.span), help=help_))
         return None
-    return AssumedRange(place, argument.integer if argument else None, width, *between, item.span)
+    return AssumedRange(place, argument.integer if argument else None, width, *between, item.span, ends)
 
 
 def _between(item: ast.AssumedRangeDecl, report: Report) -> tuple[int | None, int | None] | None:

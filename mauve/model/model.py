@@ -379,7 +379,8 @@ class ControlFact:
 @record
 class AssumedRange:
     """What is assumed of a number in memory, or of an argument (counted from 1) of the function at `place`. `width` in
-    bytes is that of an element; `low` and `high` are None for any number."""
+    bytes is that of an element; `low` and `high` are None for any number. `ends`: the argument points to so many bytes,
+    and every string that begins in them ends in them."""
 
     place: CodePlace
     argument: int | None
@@ -387,6 +388,7 @@ class AssumedRange:
     low: int | None
     high: int | None
     span: Span
+    ends: int | None = None
 
 
 @record

@@ -13,6 +13,9 @@ from mauve.wcet.result import Problem, ProblemKind
 POINTERS = (ProblemKind.BRANCH, ProblemKind.CALL)
 
 
+_PLACEHOLDER = re.compile(r"N(?=B?$)")
+"""Where a suggestion waits for a number."""
+
 HEAD = (
     "// What bounds still need: a number for each `?`. At a source line it is how often the loop's body runs each time",
     "// the loop is entered, at a symbol how often the block there runs. It must hold in every run: nobody checks it.",
@@ -59,7 +62,8 @@ def _model_lines(one: MissingIn) -> Iterator[str]:
             yield f"{indent}// {_about(loop)}: {loop.bound} executions of its header"
     for problem in one.others:
         if problem.suggestions and problem.kind is ProblemKind.LOOP:
-            yield from (f"  {re.sub('N$', '?', suggested)}  // {_told(problem)}" for suggested in problem.suggestions)
+            templates = (_PLACEHOLDER.sub("?", suggested) for suggested in problem.suggestions)
+            yield from (f"  {template}  // {_told(problem)}" for template in templates)
         elif problem.kind in POINTERS and problem.address is not None:
             yield f"  targets {problem.address:#x} to ?  // {_told(problem)}"
         elif problem.kind is ProblemKind.RECURSION:

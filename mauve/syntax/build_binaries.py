@@ -12,7 +12,7 @@ from mauve.syntax.tokens import Token
 
 LIMITS = ("max", "total")
 COUNTED = (ast.LoopFactDecl, ast.RecursionFactDecl)
-RANGES = ("argument", "each", "from", "any")
+RANGES = ("argument", "each", "from", "any", "ends")
 """The clauses that follow what is counted, and those that follow an assumed range."""
 
 
@@ -61,12 +61,12 @@ def _with_clauses(context: Context, fact: Any, clauses: list[Clause]) -> Any:
             context.error("a flow fact of a recursion needs `max`, and no `total`", span, fix=fix)
         return changed(fact, maximum=maximum, span=span)
     if isinstance(fact, ast.AssumedRangeDecl):
-        argument, width, between, free = (take(context, clauses, word) for word in RANGES)
-        if (between is None) == (free is None) and context.sound(span, span):
+        argument, width, between, free, ends = (take(context, clauses, word) for word in RANGES)
+        if sum(said is not None for said in (between, free, ends)) != 1 and context.sound(span, span):
             fix = Fix(f"write `{fact.span.text} from 0 to 64`, or `{fact.span.text} any` for what is not known")
-            context.error("an assumption needs either a range or `any`", fact.span, fix=fix)
+            context.error("an assumption needs either a range or `any`, or `ends within`", fact.span, fix=fix)
         low, high = between or (None, None)
-        return changed(fact, argument=argument, width=width, low=low, high=high, span=span)
+        return changed(fact, argument=argument, width=width, low=low, high=high, ends=ends, span=span)
     return fact
 
 
@@ -90,7 +90,7 @@ def _recursion(context: Context, children: list[Any], start: int, end: int) -> a
 
 
 def _given(context: Context, children: list[Any], start: int, end: int) -> ast.AssumedRangeDecl:
-    return ast.AssumedRangeDecl(children[1], None, None, None, None, context.span(start, end))
+    return ast.AssumedRangeDecl(children[1], None, None, None, None, None, context.span(start, end))
 
 
 def _control(context: Context, children: list[Any], start: int, end: int) -> ast.ControlFactDecl:
@@ -104,6 +104,10 @@ def _from_to(context: Context, children: list[Any], start: int, end: int) -> Cla
 
 def _any(context: Context, children: list[Any], start: int, end: int) -> Clause:
     return Clause("any", True, context.span(start, end))
+
+
+def _ends(context: Context, children: list[Any], start: int, end: int) -> Clause:
+    return Clause("ends", children[2], context.span(start, end))
 
 
 def _binding(context: Context, children: list[Any], start: int, end: int) -> ast.SymbolBinding:
@@ -134,4 +138,5 @@ BINARY_ACTIONS: dict[str, Action] = {
     "elements": clause("each"),
     "from_to": _from_to,
     "any": _any,
+    "ends": _ends,
 }

@@ -73,15 +73,17 @@ def _collect(program: ProgramFlow, binary: Binary, lines: LineTable) -> tuple[Mi
 
     paths = call_paths(program)
     found: dict[int, MissingIn] = {}
+    told: set[tuple[str, ...]] = set()
     reached = sorted(paths, key=lambda key: len(paths[key]))
     for key in reached:
         flow = program.functions[key]
         loops = _loops(flow, None, binary, lines)
         holes = (*flow.problems, *unresolved(flow))
         others = tuple(problem for problem in holes if problem.kind is not ProblemKind.LOOP or is_told(problem))
-        asked = _asked(flow, lines) if loops else ()
+        asked = _asked(flow, paths[key], lines) if loops else ()
         if asked:
-            loops, others = (), (*asked, *others)
+            loops, others = (), (*(one for one in asked if one.suggestions not in told), *others)
+            told |= {one.suggestions for one in asked}
         known = found.get(key[0])
         if known is None:
             found[key[0]] = MissingIn(flow.cfg.name, paths[key], loops, others)
@@ -95,16 +97,17 @@ def _collect(program: ProgramFlow, binary: Binary, lines: LineTable) -> tuple[Mi
     return tuple(missing)
 
 
-def _asked(flow: FunctionFlow, lines: LineTable) -> tuple[Problem, ...]:
-    """For a routine of the library whose loops an argument bounds: the fact about that argument."""
-    from mauve.wcet.routines import fact, is_library, routine
+def _asked(flow: FunctionFlow, path: tuple[str, ...], lines: LineTable) -> tuple[Problem, ...]:
+    """For a routine of the library whose loops arguments bound, its own or those of the routine on the way to it: the
+    facts about those arguments."""
+    from mauve.wcet.routines import facts, is_library, routine
 
-    name, at = flow.cfg.name, flow.cfg.address
-    known, suggested = routine(name), fact(name)
-    if known is None or not suggested or not is_library(lines.source(at)):
+    name, at = next((name for name in (*path, flow.cfg.name) if facts(name)), ""), flow.cfg.address
+    known, suggested = routine(name), facts(name)
+    if known is None or not is_library(lines.source(at)):
         return ()
     message = f"`{name}`: {known.reason}"
-    return (Problem(ProblemKind.LOOP, message, at, name, suggestions=(suggested,)),)
+    return (Problem(ProblemKind.LOOP, message, at, name, suggestions=suggested),)
 
 
 def _loops(flow: FunctionFlow, parent: int | None, binary: Binary, lines: LineTable) -> tuple[MissingLoop, ...]:

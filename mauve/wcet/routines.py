@@ -21,10 +21,11 @@ HEAD = "the time of the library's"
 @record
 class Routine:
     """What a routine's time depends on, in words; `argument` is the slot (from 1) of a number that bounds it, 0 where
-    no argument does."""
+    no argument does; `strings` are the slots of strings whose lengths bound it."""
 
     reason: str
     argument: int = 0
+    strings: tuple[int, ...] = ()
 
 
 _SIZE = {
@@ -32,10 +33,14 @@ _SIZE = {
     " __aeabi_memmove __aeabi_memmove4 __aeabi_memmove8",
     2: "strnlen bzero __aeabi_memset __aeabi_memset4 __aeabi_memset8 __aeabi_memclr __aeabi_memclr4 __aeabi_memclr8",
 }
-_STRING = (
-    "strlen strcmp strcpy strcat strchr strrchr strncat strstr strspn strcspn strpbrk stpcpy strtok strtok_r strcasecmp"
-    " strdup atoi atol atoll atof strtol strtoul strtoll strtoull strtod strtof"
-)
+_STRING = {
+    (1,): "strlen strchr atoi atol atoll strtol strtoul strtoll strtoull strcmp",
+    (2,): "strcpy",
+    (1, 2): "strcat",
+    (): "strrchr stpcpy strncat strstr strspn strcspn strpbrk strtok strtok_r strcasecmp strdup atof strtod strtof",
+}
+"""The routines that go through strings, by the arguments whose lengths bound them (none: loop by loop); of those that
+stop at the first difference one string is enough."""
 _HEAP = "malloc free calloc realloc _malloc_r _free_r _calloc_r _realloc_r"
 _FORMAT = re.compile(r"_?v?(as|f|s|sn|asn|si|sni|i|fi)?(printf|scanf)(_r)?|puts|fputs|putchar|_puts_r|fwrite|fread")
 _CLOSED = re.compile(
@@ -54,8 +59,9 @@ def routine(name: str) -> Routine | None:
             return Routine(f"it takes as many bytes as its argument {slot} says, which is not known", slot)
     if name in _SORT:
         return Routine(f"it looks at as many elements as its argument {_SORT[name]} says, and calls back", _SORT[name])
-    if name in _STRING.split():
-        return Routine("it goes on to the end of a string, whose length is not known")
+    for slots, names in _STRING.items():
+        if name in names.split():
+            return Routine("it goes on to the end of a string, whose length is not known", strings=slots)
     if name in _HEAP.split():
         return Routine("it searches the heap: allocate before the periodic part, or from pools of fixed blocks")
     if _FORMAT.fullmatch(name):
@@ -80,10 +86,14 @@ def is_library(source: str) -> bool:
     return not source or _FOLDER.search(source) is not None
 
 
-def fact(name: str) -> str:
-    """The fact, as it stands in a deployment's binary, that bounds a routine; empty where none does."""
+def facts(name: str) -> tuple[str, ...]:
+    """The facts, as they stand in a deployment's binary, that bound a routine; empty where none do."""
     known = routine(name)
-    return f'assume "{name}" argument {known.argument} from 0 to N' if known is not None and known.argument else ""
+    if known is None:
+        return ()
+    if known.argument:
+        return (f'assume "{name}" argument {known.argument} from 0 to N',)
+    return tuple(f'assume "{name}" argument {slot} ends within NB' for slot in known.strings)
 
 
 def is_told(problem: Problem) -> bool:
@@ -118,11 +128,11 @@ def _one(name: str, address: int, path: tuple[str, ...], inside: list[Problem], 
     kinds = [problem.kind for problem in inside]
     kind = ProblemKind.LOOP if ProblemKind.LOOP in kinds else kinds[0]
     places = sorted({problem.address for problem in inside if problem.address is not None})
-    suggested = fact(name)
+    suggested = facts(name)
     listed = not any(is_told(problem) for problem in inside)
     holes = f"; `mauvec facts` lists the {len(places)} place{'s' if len(places) > 1 else ''} in it that wait for facts"
     message = f"{HEAD} `{name}` has no bound: {known.reason}{holes if listed and not suggested else ''}"
-    return Problem(kind, message, address, name, source, path, (suggested,) if suggested else ())
+    return Problem(kind, message, address, name, source, path, suggested)
 
 
 def _call(program: ProgramFlow, path: tuple[str, ...], lines: Callable[[int], str]) -> str:
@@ -139,4 +149,4 @@ def _call(program: ProgramFlow, path: tuple[str, ...], lines: Callable[[int], st
     return ""
 
 
-__all__ = ["Routine", "fact", "is_closed", "is_library", "is_told", "not_followed", "routine", "told_as_one"]
+__all__ = ["Routine", "facts", "is_closed", "is_library", "is_told", "not_followed", "routine", "told_as_one"]

@@ -171,6 +171,7 @@ binary "a.elf" {
   assume "n" from -1 to 0x10
   assume "table"+8 each 2B any
   assume "f" argument 5 from 0 to 3
+  assume "parse" argument 1 ends within 80B
   targets "g"+0x14 to "one", 0x8000
   noreturn "panic"
 }
@@ -186,10 +187,11 @@ def test_facts_outside_of_deployments_join_those_of_the_same_binary() -> None:
     own, loop, *ranges, targets, never = binary.facts
     assert isinstance(own, LoopFact) and isinstance(loop, LoopFact)
     assert [own.place.line, loop.place.line] == [3, 9]
-    assert [(r.place, r.argument, r.width, r.low, r.high) for r in ranges if isinstance(r, AssumedRange)] == [
-        (CodePlace(None, None, "n", 0), None, None, -1, 16),
-        (CodePlace(None, None, "table", 8), None, 2, None, None),
-        (CodePlace(None, None, "f", 0), 5, None, 0, 3),
+    assert [(r.place, r.argument, r.width, r.low, r.high, r.ends) for r in ranges if isinstance(r, AssumedRange)] == [
+        (CodePlace(None, None, "n", 0), None, None, -1, 16, None),
+        (CodePlace(None, None, "table", 8), None, 2, None, None, None),
+        (CodePlace(None, None, "f", 0), 5, None, 0, 3, None),
+        (CodePlace(None, None, "parse", 0), 1, None, None, None, 80),
     ]
     assert isinstance(targets, ControlFact) and isinstance(never, ControlFact)
     assert targets.targets == (CodePlace(None, None, "one", 0), CodePlace(None, None, None, 0x8000))

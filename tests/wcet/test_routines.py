@@ -10,7 +10,7 @@ from mauve.wcet.binary.loops import LoopNest
 from mauve.wcet.binary.microop import Call, Condition, Instruction, Kind, Traits
 from mauve.wcet.flow.result import FunctionFlow, ProgramFlow
 from mauve.wcet.result import Problem, ProblemKind
-from mauve.wcet.routines import fact, is_closed, is_library, is_told, not_followed, routine, told_as_one
+from mauve.wcet.routines import facts, is_closed, is_library, is_told, not_followed, routine, told_as_one
 
 CALLER, COPY = (0x8000, ""), (0x9000, "")
 
@@ -45,8 +45,9 @@ def test_what_a_user_wrote_is_told_loop_by_loop() -> None:
 
 
 def test_what_is_known_of_names() -> None:
-    assert fact("__aeabi_memset") == 'assume "__aeabi_memset" argument 2 from 0 to N'
-    assert fact("strlen") == "" and routine("strlen") is not None
+    assert facts("__aeabi_memset") == ('assume "__aeabi_memset" argument 2 from 0 to N',)
+    assert facts("strlen") == ('assume "strlen" argument 1 ends within NB',) and routine("strlen") is not None
+    assert len(facts("strcat")) == 2 and facts("strtod") == () and routine("strtod") is not None
     assert routine("_vfprintf_r") is not None and routine("malloc") is not None
     assert routine("filter") is None and routine("memcpy_dma") is None
     assert is_library("") and is_library("../../newlib/libc/string/memset.c:3") and not is_library("src/app.c:3")

@@ -50,9 +50,10 @@ class RecursionFactDecl:
 
 @record
 class AssumedRangeDecl:
-    """`assume "sum" argument 2 from 0 to 64`, `assume "offsets" each 2B from -5 to 5`, `assume "buffer" any`.
+    """`assume "sum" argument 2 from 0 to 64`, `assume "offsets" each 2B from -5 to 5`, `assume "buffer" any`,
+    `assume "parse" argument 1 ends within 80B`.
 
-    `low` and `high` are both None for `any`.
+    `low` and `high` are both None for `any` and for `ends within`.
     """
 
     place: CodePlace
@@ -60,6 +61,7 @@ class AssumedRangeDecl:
     width: Quantity | None
     low: Number | None
     high: Number | None
+    ends: Quantity | None
     span: Span
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import field
 
 from mauve.records import record
 from mauve.wcet.binary.elf import Binary, ElfProblem, Symbol
@@ -11,6 +12,7 @@ from mauve.wcet.flow.domain import MASK, Range
 from mauve.wcet.flow.facts import Argument, AssumeFact, AtAddress, AtLine, AtSymbol, Fact, Place
 from mauve.wcet.flow.linear import FRAME
 from mauve.wcet.flow.state import State
+from mauve.wcet.flow.strings import ending
 from mauve.wcet.result import Problem, ProblemKind
 
 IN_REGISTERS = 4
@@ -31,12 +33,14 @@ class Stretch:
 
 @record
 class Assumed:
-    """What is assumed of the arguments of functions, by key and slot, and of stretches of memory."""
+    """What is assumed of the arguments of functions, by key and slot, and of stretches of memory. `strings`: the bytes
+    that an argument points to, in which strings end, by key and slot."""
 
     arguments: Mapping[int, tuple[tuple[int, Range], ...]]
     memory: tuple[Stretch, ...] = ()
     problems: tuple[Problem, ...] = ()
     sentences: tuple[str, ...] = ()
+    strings: Mapping[int, tuple[tuple[int, int], ...]] = field(default_factory=dict)
 
     def reading(self, addresses: Range, size: int, is_signed: bool) -> Range | None:
         """What is assumed of a number of `size` bytes read at any of these addresses, as it is after extension."""
@@ -51,16 +55,23 @@ class Assumed:
                     return domain.between(one.low & MASK, one.high & MASK)
         return None
 
+    @property
+    def spoken_of(self) -> frozenset[int]:
+        """The functions of whose arguments something is assumed, as keys."""
+        return frozenset((*self.arguments, *self.strings))
+
     def covers(self, address: int) -> bool:
         """Whether a fact speaks of the byte at an address: then it does not start with its linked value."""
         return any(one.start <= address < one.end for one in self.memory)
 
     def entered(self, function: int, state: State) -> State | None:
         """The state on entry of a function, narrowed; None where no call of it keeps the facts."""
-        wanted = self.arguments.get(function)
-        if not wanted:
+        wanted, strings = self.arguments.get(function, ()), self.strings.get(function, ())
+        if not wanted and not strings:
             return state
         state = state.copy()
+        for slot, length in strings:
+            ending(state, slot, length)
         for slot, known in wanted:
             low, high = known.low, (known.low + known.span) & MASK
             if slot <= IN_REGISTERS:
@@ -79,6 +90,7 @@ class Assumed:
 def resolve(binary: Binary, facts: Sequence[Fact]) -> Assumed:
     """The assumptions among the facts; a fact that cannot be placed is a problem."""
     arguments: dict[int, list[tuple[int, Range]]] = {}
+    strings: dict[int, list[tuple[int, int]]] = {}
     memory: list[Stretch] = []
     problems: list[Problem] = []
     sentences: list[str] = []
@@ -92,10 +104,14 @@ def resolve(binary: Binary, facts: Sequence[Fact]) -> Assumed:
                 continue
             case Stretch():
                 memory.append(found)
+            case (key, slot, _) if fact.ends:
+                strings.setdefault(key, []).append((slot, fact.ends))
             case (key, slot, known):
                 arguments.setdefault(key, []).append((slot, known))
         sentences.append(_sentence(fact))
-    return Assumed({key: tuple(v) for key, v in arguments.items()}, tuple(memory), tuple(problems), tuple(sentences))
+    by_key = {key: tuple(found) for key, found in arguments.items()}
+    in_strings = {key: tuple(found) for key, found in strings.items()}
+    return Assumed(by_key, tuple(memory), tuple(problems), tuple(sentences), in_strings)
 
 
 def _argument(binary: Binary, fact: AssumeFact) -> tuple[int, int, Range] | str:
@@ -103,6 +119,8 @@ def _argument(binary: Binary, fact: AssumeFact) -> tuple[int, int, Range] | str:
     function = binary.function(fact.place.function)
     if isinstance(function, ElfProblem):
         return function.message
+    if fact.ends and fact.place.slot > IN_REGISTERS:
+        return f"argument {fact.place.slot} is on the stack: strings are known to end of arguments 1 to {IN_REGISTERS}"
     if fact.low is None or fact.high is None:
         return function.key, fact.place.slot, domain.TOP
     if fact.low < -(1 << 31) or fact.high > MASK:
@@ -152,6 +170,8 @@ def _sentence(fact: AssumeFact) -> str:
         case _:
             what = "a number"
     said = "is unknown" if fact.low is None else f"is within {fact.low} to {fact.high}"
+    if fact.ends:
+        said = f"points to {fact.ends} bytes, and a string that begins in them ends in them"
     elements = f", each {fact.width} bytes," if fact.width else ""
     return f"{what}{elements} {said}" + (f" ({fact.written})" if fact.written else "")
 

@@ -12,7 +12,7 @@ from mauve.wcet.flow.domain import MASK, SIGN, TOP, Range
 from mauve.wcet.flow.linear import FRAME, Value, entry_symbol
 from mauve.wcet.flow.locations import CALL_CLOBBERED, CallEffects, Helper
 from mauve.wcet.flow.record import Record
-from mauve.wcet.flow.state import ABSOLUTE, IN_STACK, MASK_OF_ALL, OF_FRAME, State
+from mauve.wcet.flow.state import ABSOLUTE, ENDS, IN_STACK, MASK_OF_ALL, OF_FRAME, Cells, State, is_end
 
 ARGUMENTS = (0, 1, 2, 3)
 RESULTS = (0, 1, 2, 3)
@@ -264,8 +264,20 @@ def enter(caller: State) -> State:
 def _copy_cells(caller: State, region: int, origin: int, state: State, new: int, least: int = -NEAR) -> None:
     cells = caller.memory.get(region, {})
     near = {o - origin: c for o, c in cells.items() if least <= o - origin <= NEAR and _movable(caller, c)}
+    near |= _moved_ends(cells, origin)
     if near:
         state.memory[new] = {offset: _moved(caller, state, cell) for offset, cell in near.items()}
+
+
+def _moved_ends(cells: Cells, origin: int) -> Cells:
+    """What is known of where strings end, from `origin` on."""
+    moved: Cells = {}
+    for offset, (_, length) in cells.items():
+        if is_end(offset) and type(length) is int:
+            before = max(0, origin - (offset - ENDS))
+            if before < length:
+                moved[ENDS + max(0, offset - ENDS - origin)] = (1, length - before)
+    return moved
 
 
 def _movable(caller: State, cell: tuple[int, Value]) -> bool:

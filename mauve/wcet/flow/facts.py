@@ -95,6 +95,8 @@ class AssumeFact:
 
     At an argument: whenever the function is called. In memory: all elements of the object, of `width` bytes each (0:
     the whole object is one number). With initial data, what a fact speaks of does not start with the linked value.
+    `ends`, at an argument only: no number is assumed, but that it points to so many bytes, and that no string that
+    begins in them goes on behind them.
     """
 
     place: Place | Argument
@@ -103,6 +105,7 @@ class AssumeFact:
     width: int = 0
     written: str = ""
     key: int = 0
+    ends: int = 0
 
 
 @record

@@ -279,7 +279,7 @@ class Functions:
         if narrowed is None:
             bare = self._bare(name, cfg, nest)
             return replace(bare, flow=replace(bare.flow, problems=(_contradicted(cfg, None),)))
-        assumed = self.given.assumed.arguments
+        assumed = self.given.assumed.spoken_of
         wanted = frozenset(k for k in callgraph.callees(cfg) if k in assumed or self._incomplete(k))
         helpers = {k: helper for k in callgraph.callees(cfg) if (helper := self.helper(k)) is not None}
         calls = ProgramCalls(self.summaries, wanted, helpers)
@@ -371,7 +371,8 @@ class Functions:
         nest = self.nest(key)
         if not nest.loops:
             return {}
-        from mauve.wcet.flow.library import library_bound, recognise
+        from mauve.wcet.flow.library import STRING, library_bound, recognise
+        from mauve.wcet.flow.strings import longest
 
         if key not in self.routines:
             self.routines[key] = recognise(self.cfgs[key])
@@ -380,7 +381,12 @@ class Functions:
             return {}
 
         def greatest(register: int) -> int:
-            return MASK if entered is None else entered.range_of(entered.regs[register]).unsigned_bounds()[1]
+            if entered is None:
+                return MASK
+            if register >= STRING:
+                length = longest(entered, entered.regs[register - STRING], self.image)
+                return MASK if length is None else length
+            return entered.range_of(entered.regs[register]).unsigned_bounds()[1]
 
         found = {loop.id: library_bound(self.cfgs[key], loop, greatest, known) for loop in nest.loops}
         return {

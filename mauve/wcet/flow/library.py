@@ -31,34 +31,54 @@ LARGEST = 1 << 20
 """A formula of a greater argument is no bound: that is the range of a type, not what somebody knows."""
 
 
+STRING = 16
+"""STRING + n stands for the length, with the 0 at its end, of the string that register n points to on entry."""
+
+Term = tuple[tuple[int, ...], int, int]
+"""A product of registers on entry (by number, or STRING and more) with a factor, rounded down after a division."""
+
+
 @dataclass(frozen=True, slots=True)
 class Formula:
-    """A sum of products of registers on entry, by number, each with a factor and rounded down after a division:
-    (registers, factor, divisor), no registers: the constant. It grows with each register, and is 1 at least."""
+    """The least of some sums of terms; no registers: a constant. It grows with each register, and is 1 at least."""
 
-    terms: tuple[tuple[tuple[int, ...], int, int], ...]
+    sums: tuple[tuple[Term, ...], ...]
 
     def most(self, greatest: Callable[[int], int] | None) -> int | None:
         """Its greatest value where `greatest` tells how large a register can be; None: not known."""
-        registers = {register for term in self.terms for register in term[0]}
-        if registers and greatest is None:
-            return None
-        values = {register: greatest(register) for register in registers} if greatest is not None else {}
-        if any(value > LARGEST for value in values.values()):
-            return None
-        parts = (factor * prod(values[r] for r in product) // divisor for product, factor, divisor in self.terms)
-        return max(1, sum(parts))
+        known = [value for terms in self.sums if (value := _most(terms, greatest)) is not None]
+        return min(known, default=None)
+
+    def registers(self) -> frozenset[int]:
+        """What it depends on."""
+        return frozenset(register for terms in self.sums for term in terms for register in term[0])
+
+
+def _most(terms: tuple[Term, ...], greatest: Callable[[int], int] | None) -> int | None:
+    registers = {register for term in terms for register in term[0]}
+    if registers and greatest is None:
+        return None
+    values = {register: greatest(register) for register in registers} if greatest is not None else {}
+    if any(value > LARGEST for value in values.values()):
+        return None
+    parts = (factor * prod(values[r] for r in product) // divisor for product, factor, divisor in terms)
+    return max(1, sum(parts))
 
 
 def read_formula(text: str | int) -> Formula:
-    """A formula as tables write it: `7`, or `r1 * r1 / 2 + 3 * r1 + 1`."""
+    """A formula as tables write it: `7`, or `r1 * r1 / 2 + 3 * r1 + 1`, or `s0 / 4 + 2 or s1 / 4 + 2` with the lengths
+    of strings."""
+    return Formula(tuple(_read_sum(one) for one in str(text).split(" or ")))
+
+
+def _read_sum(text: str) -> tuple[Term, ...]:
     terms = []
-    for term in str(text).split(" + "):
+    for term in text.split(" + "):
         product, _, divisor = term.partition(" / ")
         factors = product.split(" * ")
-        registers = tuple(int(factor[1:]) for factor in factors if factor.startswith("r"))
-        terms.append((registers, prod(int(f) for f in factors if not f.startswith("r")), int(divisor or "1")))
-    return Formula(tuple(terms))
+        registers = tuple(int(f[1:]) + (STRING if f[0] == "s" else 0) for f in factors if f[0] in "rs")
+        terms.append((registers, prod(int(f) for f in factors if f[0] not in "rs"), int(divisor or "1")))
+    return tuple(terms)
 
 
 @dataclass(frozen=True, slots=True)
@@ -127,7 +147,8 @@ def library_bound(
     recognised: tuple[Recognised, ...] | None = None,
 ) -> KnownBound | None:
     """The bound of a loop of a known routine, None for any other loop. `greatest` gives the greatest value that a
-    register (0 to 3) can have on entry, without sign; None: nothing is known of arguments. `recognised` is what
+    register (0 to 3) can have on entry, without sign, and the greatest length of a string (STRING + 0 to 3); None:
+    nothing is known of arguments. `recognised` is what
     `recognise` finds, if that is known already."""
     for part in recognise(cfg) if recognised is None else recognised:
         offset = cfg.blocks[loop.header].address - part.address

@@ -29,6 +29,8 @@ FAR = 1 << 16
 """An offset from an unknown number that is no smaller is taken for an address, the unknown number for an index."""
 MOST_READ = 32
 """What was read from a region outside the frame is remembered for at most this many cells."""
+ENDS = 1 << 40
+"""A cell at ENDS + offset tells in how many bytes from the offset on strings end (see strings.py)."""
 IN_STACK, OF_FRAME = 1 << 4, 1 << 5
 MASK_OF_ALL = (1 << 6) - 1
 _ENTRY_MASK = dict.fromkeys(range(FIRST_FRESH), 0) | {entry_symbol(r): 1 << r for r in range(4)} | {FRAME:
@@ -423,8 +425,11 @@ class State:
             self.shared.discard(region)
         return cells
 
-    def forget_bytes(self, region: int, low: int, high: int) -> None:
-        """Drop what is known of the bytes `low` to `high` of a region; constant cells keep their other bytes."""
+    def forget_bytes(self, region: int, low: int, high: int, keeps_ends: bool = False) -> None:
+        """Drop what is known of the bytes `low` to `high` of a region; constant cells keep their other bytes. Where
+        strings end in the region is not known any more, either, unless `keeps_ends`."""
+        if not keeps_ends:
+            self._forget_ends(region)
         old = self.memory.get(region)
         if not old:
             return
@@ -440,6 +445,11 @@ class State:
                     if not low <= offset + i <= high:
                         cells[offset + i] = (1, value >> 8 * i & 0xFF)
 
+    def _forget_ends(self, region: int) -> None:
+        ends = [offset for offset in self.memory.get(region, ()) if is_end(offset)]
+        for offset in ends:
+            del self.cells(region)[offset]
+
     def store(self, address: Value, value: Value | None, size: int) -> None:
         """Write `size` bytes; `value` None: of unknown content."""
         region, low, high = self.place(address)
@@ -454,12 +464,15 @@ class State:
             self.forget_frame()
         if region is None:
             return
+        ends_more = type(value) is int and value & (1 << 8 * size) - 1 == 0
         if low != high:
-            self.forget_bytes(region, low, high + size - 1)
+            self.forget_bytes(region, low, high + size - 1, keeps_ends=ends_more)
             return
         present = self.memory.get(region, {}).get(low)
         if present is None or present[0] != size:
-            self.forget_bytes(region, low, low + size - 1)
+            self.forget_bytes(region, low, low + size - 1, keeps_ends=ends_more)
+        elif not ends_more:
+            self._forget_ends(region)
         if value is None:
             if present is not None:
                 self.cells(region).pop(low, None)
@@ -503,7 +516,7 @@ class State:
         """Read `size` bytes and extend; `image` gives read-only data, and what facts assume of the other."""
         region, low, high = self.place(address)
         value: Value | None = None
-        if region is not None and low == high and _is_memory(region, low, image):
+        if region is not None and low == high and is_memory(region, low, image):
             value = self._load_cell(region, low, size)
             if value is None and region == ABSOLUTE:
                 value = image.constant(low, size)
@@ -515,7 +528,7 @@ class State:
             if value is None:
                 value = self._unknown(region, high, size)
                 if region == FRAME or len(self.memory.get(region, ())) < MOST_READ:
-                    self.forget_bytes(region, low, low + size - 1)
+                    self.forget_bytes(region, low, low + size - 1, keeps_ends=True)
                     self.cells(region)[low] = (size, value)
         elif region == ABSOLUTE and not self._overlaps(low, high + size - 1):
             value = self._load_table(address, size, image)
@@ -630,7 +643,12 @@ def _anchored(table: anchors.Anchors, live: set[int]) -> set[int]:
     return found
 
 
-def _is_memory(region: int, offset: int, image: Image) -> bool:
+def is_end(offset: int) -> bool:
+    """Whether a cell tells where strings end (see ENDS)."""
+    return offset > ENDS >> 1
+
+
+def is_memory(region: int, offset: int, image: Image) -> bool:
     """Whether two loads from a place give the same number. A fixed address that is not the binary's may be a device,
     also as the base of an index: what was written there is not what is read. What pointers lead to is taken for memory.
     """

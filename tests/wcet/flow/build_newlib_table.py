@@ -20,10 +20,10 @@ from pathlib import Path
 
 from mauve.wcet.binary.cfg import build_cfg
 from mauve.wcet.binary.elf import Binary, load
-from mauve.wcet.binary.graph import Cfg
+from mauve.wcet.binary.graph import Cfg, EdgeKind
 from mauve.wcet.binary.lines import load_lines
 from mauve.wcet.binary.loops import Loop, LoopNest, loop_nest
-from mauve.wcet.binary.microop import Condition, Imm, Load, Store
+from mauve.wcet.binary.microop import Condition, Imm, Instruction, Load, SetFlags, Store
 from mauve.wcet.binary.split import split_irreducible
 from mauve.wcet.flow.library import fingerprint
 from mauve.wcet.flow.ranking import Ranking
@@ -199,7 +199,7 @@ def taken(cfg: Cfg, loop: Loop, streams: int) -> int:
         mine = sum(
             op.size
             for instruction in cfg.blocks[block].instructions
-            if instruction.condition is Condition.AL
+            if instruction.condition is Condition.AL or goes_on_with(cfg, loop, block, instruction)
             for op in instruction.ops
             if isinstance(op, kind) and not isinstance(op.address, Imm)
         )
@@ -207,6 +207,18 @@ def taken(cfg: Cfg, loop: Loop, streams: int) -> int:
 
     loads = least(loop.header, Load)
     return loads // streams if loads else least(loop.header, Store)
+
+
+def goes_on_with(cfg: Cfg, loop: Loop, block: int, instruction: Instruction) -> bool:
+    """Whether the loop goes on behind a block only where the condition of one of its instructions held: the block ends
+    with a branch under the same condition (or its opposite, out of the loop), and no flag changes in between."""
+    after = [one for one in cfg.blocks[block].instructions if one.address > instruction.address]
+    if not after or any(isinstance(op, SetFlags) for one in (instruction, *after) for op in one.ops):
+        return False
+    ways = {edge.kind is EdgeKind.TAKEN for edge in cfg.edges if edge.source == block and edge.target in loop.blocks}
+    last = after[-1].condition
+    needed = {frozenset({True}): last, frozenset({False}): last.negated}.get(frozenset(ways))
+    return needed is instruction.condition
 
 
 def said_of_memory(routine: Memory) -> Callable[[Cfg, LoopNest, Loop, int], Said]:

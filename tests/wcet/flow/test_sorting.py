@@ -71,7 +71,7 @@ def routine(known_most: int = MOST) -> tuple[KnownFunction, Cfg]:
     )
     hole = Unresolved(0x100, UnresolvedKind.CALL, "where it goes is not known")
     cfg = Cfg("qsort", 0x100, False, 0, tuple(map(block, range(3))), edges, (hole,))
-    loop = KnownLoop(0, read_formula("r1 + 1"), "because", Formula((((), 3, 1),)))
+    loop = KnownLoop(0, read_formula("r1 + 1"), "because", Formula(((((), 3, 1),),)))
     inner = KnownLoop(4, read_formula("r1 + 1"), "because")
     return KnownFunction(("qsort",), ("here",), (loop, inner), True, known_most, 40), cfg
 
