@@ -31,9 +31,10 @@ from tests.wcet.flow.build_newlib_table import MULTILIBS, taken
 PROOFS = {
     "string": (
         "Each full pass takes `step` bytes further on, from at most 7 bytes (3 where a pass takes 4, none where it "
-        "takes 1) before where the string begins, and looks for its 0 in them or, where it reads ahead, one pass later: "
-        "only two passes come after the last that takes nothing but bytes before the 0. With s bytes, the 0 included, that "
-        "is (s - 1 + 7) / step + 2 <= s / step + 3 passes (with 3 and none likewise). A routine that compares two "
+        "takes 1) before where the string begins, and looks for its 0 in them or, where it reads ahead, one pass "
+        "later: only two passes come after the last that takes nothing but bytes before the 0. With s bytes, the 0 "
+        "included, that is (s - 1 + 7) / step + 2 <= s / step + 3 passes (with 3 and none likewise). A routine that "
+        "compares two "
         "strings ends at the first difference, so at the end of the shorter one at the latest."
     ),
     "rest": (
