@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 
 from mauve.wcet.binary.decode import DecodeProblem, Decoder
 from mauve.wcet.binary.elf import Binary, Content
+from mauve.wcet.binary.far_jumps import link_read_behind, may_be_far
 from mauve.wcet.binary.graph import EXIT, Block, Cfg, Edge, EdgeKind, Unresolved, UnresolvedKind
 from mauve.wcet.binary.microop import (
     Call,
@@ -74,9 +75,16 @@ def build_cfg(
 ) -> Cfg:
     """The graph of the function entered at `key` (its address, bit 0 set for Thumb). `limit` bounds the instructions
     looked at; a `decoder` may be shared between calls for one binary. Raises OutOfTime."""
-    exploration = _Exploration(binary, key, control or Control(), decoder or Decoder(binary.read_code), limit, deadline)
-    exploration.run()
-    return exploration.assemble()
+    control, decoder = control or Control(), decoder or Decoder(binary.read_code)
+    calls: frozenset[int] = frozenset()
+    while True:
+        exploration = _Exploration(binary, key, control, decoder, limit, deadline, calls)
+        exploration.run()
+        found = exploration.assemble()
+        wrong = link_read_behind(found, exploration.far)
+        if not wrong:
+            return found
+        calls |= wrong
 
 
 _ENDS = (Jump, CompareBranch, Call, IndirectJump, IndirectCall, TableJump, Stop)
@@ -86,10 +94,13 @@ class _Exploration:
     """The worklist over one function's code, and what it has found."""
 
     def __init__(
-        self, binary: Binary, key: int, control: Control, decoder: Decoder, limit: int, deadline: Deadline
-    ) -> None:
+        self, binary: Binary, key: int, control: Control, decoder: Decoder, limit: int, deadline: Deadline,
+        calls: frozenset[int],
+    ) -> None:  # fmt: skip
         self.binary, self.key, self.control, self.decoder, self.limit = binary, key, control, decoder, limit
-        self.deadline = deadline
+        self.deadline, self.calls = deadline, calls
+        self.far: set[int] = set()
+        """`bl` that are taken as jumps; not those in `calls`"""
         self.code = Code(binary, key)
         self.owner: dict[int, int] = {}
         self.states: dict[int, int] = {}
@@ -305,6 +316,9 @@ class _Exploration:
             case Call(target, thumb):
                 if instruction.address in self.control.no_call:
                     return (self._reach(instruction.end, instruction.thumb, EdgeKind.FALL),)
+                if instruction.address not in self.calls and may_be_far(self.binary, instruction, flow):
+                    self.far.add(instruction.address)
+                    return (_Out(target, EdgeKind.TAKEN, thumb=thumb), *past)
                 return (self._call(instruction, (target | thumb,), instruction.end), *past)
         raise AssertionError(f"no direct flow: {flow}")
 

@@ -11,10 +11,12 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 from mauve.wcet.binary.elf import Binary
-from mauve.wcet.binary.graph import EXIT, Block, Cfg, Edge, EdgeKind
+from mauve.wcet.binary.graph import EXIT, Block, Cfg, Edge, EdgeKind, Unresolved, UnresolvedKind
 from mauve.wcet.binary.microop import SP, Compute, Condition, Imm, Instruction, Load, Op
 
 _MOST_ROUNDS = 4
+_MOST_BLOCKS = 20_000
+"""Blocks of a graph with the copies in it; libgcc's graphs stay below a hundred."""
 
 
 def put_into_callers(cfgs: Mapping[int, Cfg], binary: Binary) -> dict[int, Cfg]:
@@ -87,6 +89,10 @@ def _inline(cfg: Cfg, cfgs: Mapping[int, Cfg], leaving: Mapping[int, frozenset[i
             continue
         callee = cfgs[edge.callees[0]]
         base = len(blocks)
+        if base + len(callee.blocks) > _MOST_BLOCKS:
+            message = f"the subroutines that return for {cfg.name} call each other too often to be followed"
+            hole = Unresolved(cfg.address, UnresolvedKind.LIMIT, message)
+            return cfg if hole in cfg.unresolved else replace(cfg, unresolved=(*cfg.unresolved, hole))
         blocks += [Block(base + block.id, block.instructions) for block in callee.blocks]
         holes += [hole for hole in callee.unresolved if hole not in holes]
         edges.append(Edge(edge.source, base + callee.entry, EdgeKind.TAKEN))

@@ -7,8 +7,10 @@ from pathlib import Path
 
 import pytest
 
+from mauve.wcet.binary import subroutine
+from mauve.wcet.binary.callgraph import build_program
 from mauve.wcet.binary.elf import Binary, load
-from mauve.wcet.binary.graph import EdgeKind
+from mauve.wcet.binary.graph import EdgeKind, UnresolvedKind
 from mauve.wcet.flow.program import analyse_program
 from tests.emulator import Emulator
 from tests.wcet.soundness.replay import Replay, record
@@ -37,3 +39,12 @@ def test_executions_stay_in_the_graph(image: str, cpu: str, function: str) -> No
                 arguments = [struct.unpack("<I", struct.pack("<f", x if abs(x) < 1e30 else 2e38))[0] for x in (a, b)]
             replay.walk(record(emulator, function, arguments))
     assert not replay.wrong
+
+
+def test_too_many_copies_leave_a_hole(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(subroutine, "_MOST_BLOCKS", 10)
+    binary = load(FIXTURES / "arm7tdmi-arm-O2.elf")
+    assert isinstance(binary, Binary)
+    symbol = binary.function("__aeabi_ddiv")
+    cfg = build_program(binary, symbol.key)[symbol.key]
+    assert [hole.kind for hole in cfg.unresolved] == [UnresolvedKind.LIMIT]
