@@ -1,15 +1,15 @@
 """The functions of a binary under fixed control facts: each analysed once from an unknown state, callees first, and
-again for the states in which its callers call it where that leaves a loop without a bound.
+again for the states in which its callers call it (`contexts`) where that leaves a loop without a bound.
 
 What is found out about a function depends on nothing but the function and what it reaches, so several entries share
-it. To keep it so, the limits on contexts count from the function whose analysis asks for them (a `_Family`), and a
+it. To keep it so, the limits on contexts count from the function whose analysis asks for them (a `Family`), and a
 context that such a limit curtailed is kept for that family only.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from mauve.wcet.binary import callgraph
@@ -20,8 +20,10 @@ from mauve.wcet.binary.loops import Loop, LoopNest, loop_nest
 from mauve.wcet.binary.split import split_irreducible
 from mauve.wcet.clock import OutOfTime, check
 from mauve.wcet.flow import effects
-from mauve.wcet.flow.domain import MASK, Range
-from mauve.wcet.flow.effects import ARGUMENTS, UNKNOWN, ProgramCalls, Summary
+from mauve.wcet.flow.analysed import Analysed, Name
+from mauve.wcet.flow.contexts import Contexts, Family
+from mauve.wcet.flow.domain import MASK
+from mauve.wcet.flow.effects import UNKNOWN, ProgramCalls, Summary
 from mauve.wcet.flow.function import Attempt, FunctionResult, Limits, analyse_function
 from mauve.wcet.flow.given import Given, Stated
 from mauve.wcet.flow.image import Image
@@ -38,59 +40,7 @@ from mauve.wcet.routines import is_closed, not_followed
 if TYPE_CHECKING:
     from mauve.wcet.flow.library import KnownFunction, Recognised
 
-MOST_CONTEXTS = 24
-"""How many contexts of one function are asked for in the analysis of one other."""
-MOST_VAIN = 3
-"""After so many contexts of a function that bounded no further loop no more are tried."""
-MOST_DEPTH = 12
-"""How many calls deep contexts are followed."""
-DEEP = 2
-"""From so many calls on, a context that leaves open all that was open without it is followed no further."""
-MOST_CALLS = 48
-"""How many contexts of a function that calls itself, directly or not, are followed into each other."""
 POINTERS = (UnresolvedKind.BRANCH, UnresolvedKind.CALL)
-
-Name = tuple[int, tuple[object, ...]]
-"""A function by key, and the fingerprint of the state in which it is entered; empty for any state."""
-
-
-@dataclass(slots=True, eq=False)
-class Analysed:
-    """One function in one context. `flow` is complete but for `calls`: they are in `called`, by edge, as contexts or as
-    the keys of functions that are called in the context for every call. `words` describe the context; `asked` are the
-    contexts that its analysis asked for, directly or not. `targets` None: nothing but the graph is known. `places` are
-    what accesses touch, kept where the state is unknown."""
-
-    flow: FunctionFlow
-    called: Mapping[int, tuple[int | Analysed, ...]]
-    name: Name
-    unbounded: frozenset[int] = frozenset()
-    targets: Mapping[int, Range] | None = None
-    notes: tuple[Problem, ...] = ()
-    words: str = ""
-    summary: Summary = UNKNOWN
-    attempt: Attempt | None = None
-    places: Mapping[tuple[int, int], effects.Place] = field(default_factory=dict)
-
-
-@dataclass(slots=True)
-class _Family:
-    """The contexts asked for in the analysis of one function from an unknown state; `refused` counts those that a limit
-    forbade; `lost` are functions on cycles of calls to whose end no contexts lead."""
-
-    asked: dict[int, dict[Name, Analysed | None]] = field(default_factory=dict)
-    refused: int = 0
-    lost: set[int] = field(default_factory=set)
-
-    def enter(self, context: Analysed) -> None:
-        """Note that a context is in use, with all that it asked for itself."""
-        mine = self.asked.setdefault(context.name[0], {})
-        if mine.get(context.name) is not context:
-            mine[context.name] = context
-            for called in context.called.values():
-                for inner in called:
-                    if isinstance(inner, Analysed):
-                        self.enter(inner)
 
 
 class Functions:
@@ -111,12 +61,14 @@ class Functions:
         self.summaries: dict[int, Summary] = {}
         self.quick: dict[int, Analysed] = {}
         self.thorough: dict[int, Analysed] = {}
-        self.contexts: dict[Name, Analysed] = {}
-        self.sorts: dict[int, KnownFunction | None] = {}
+        self.defaults: dict[int, Analysed] = {}
+        self.contexts = Contexts(self)
+        self._sorting: dict[int, KnownFunction | None] = {}
         self.comparing: set[int] = set()
         self.cyclic: set[int] = set()
         self.excluded: dict[int, tuple[Exclusive, ...]] = {}
         self.curtailed = False
+        self._incomplete: dict[int, bool] = {}
 
     def settle(self, entry: int, deadline: float | None, from_state: bool = False) -> callgraph.Order:
         """Analyse everything that `entry` reaches and that is not known yet; the functions, callees first. Of a callee
@@ -128,7 +80,7 @@ class Functions:
         for key in order.functions:
             alone = from_state and key == entry and not any(entry in callgraph.callees(self.cfgs[k]) for k in self.cfgs)
             if key not in self.summaries and not alone:
-                found = self.quick[key] = self._analyse((key, ()), State(self.symbols), 0, _Family(), False)
+                found = self.quick[key] = self.analyse((key, ()), State(self.symbols), False)
                 self.summaries[key] = found.summary
         return order
 
@@ -160,7 +112,7 @@ class Functions:
             before = self.limits
             try:
                 self.settle(key, deadline)
-                default = self.default(key)
+                default = self._best(key)
                 found = None if default is None else default.flow.bounds.get(loop)
                 bound = None if found is None else found.bound
             except OutOfTime:
@@ -175,52 +127,57 @@ class Functions:
 
     def default(self, key: int) -> Analysed | None:
         """The function in the context that covers every call, with all effort."""
+        best = self._best(key)
+        if key not in self.defaults and best is not None:
+            found = replace(best)
+            self.contexts.follow(found, 0, Family())
+            self.defaults[key] = found
+            best.sites, best.entered = {}, None
+        return self.defaults.get(key)
+
+    def _best(self, key: int) -> Analysed | None:
+        """The same without the contexts of what it calls."""
         quick = self.quick.get(key)
         if quick is None or not quick.unbounded:
             return quick
         if key not in self.thorough:
-            self.thorough[key] = self._analyse((key, ()), State(self.symbols), 0, _Family(), True, quick.attempt)
-            quick.attempt = None
+            self.thorough[key] = self.analyse((key, ()), State(self.symbols), True, quick.attempt)
+            quick.attempt, quick.sites, quick.entered = None, {}, None
         return self.thorough[key]
 
     def from_state(self, key: int, state: State) -> Analysed:
         """The function entered in a state, with all effort."""
-        return self._analyse((key, ()), state, 0, _Family(), True)
+        found = self.analyse((key, ()), state, True)
+        self.contexts.follow(found, 0, Family())
+        return found
 
     # ------------------------------------------------------------------------------------------------ one function
-    def _analyse(
-        self,
-        name: Name,
-        state: State,
-        depth: int,
-        family: _Family,
-        thorough: bool,
-        attempt: Attempt | None = None,
-    ) -> Analysed:
+    def analyse(self, name: Name, state: State, thorough: bool, attempt: Attempt | None = None) -> Analysed:
+        """A function entered in a state, the contexts of what it calls not followed."""
         cfg, nest = self.cfgs[name[0]], self.nest(name[0])
         if self.is_closed(cfg):
             bare = self._bare(name, cfg, nest)
             return replace(bare, flow=replace(bare.flow, problems=(not_followed(cfg.name, cfg.address),)))
-        sorts = self._sorts(name[0])
+        sorts = self.sorts(name[0])
         if sorts is not None:
             return self._sorted(sorts, name, state)
         bare = self._bare(name, cfg, nest)
         if nest.irreducible or not cfg.blocks:
             return bare
         try:
-            return self._full(name, cfg, nest, state, depth, family, thorough, attempt)
+            return self._full(name, cfg, nest, state, thorough, attempt)
         except GaveUp:
             message = f"the analysis of {cfg.name} takes more steps than allowed"
             problem = Problem(ProblemKind.LIMIT, message, cfg.address, cfg.name)
             return replace(bare, flow=replace(bare.flow, problems=(problem,)))
 
-    def _sorts(self, key: int) -> KnownFunction | None:
+    def sorts(self, key: int) -> KnownFunction | None:
         """What the table says of a function that sorts."""
-        if key not in self.sorts:
+        if key not in self._sorting:
             from mauve.wcet.flow.sorting import sorting
 
-            self.sorts[key] = sorting(self.cfgs[key])
-        return self.sorts[key]
+            self._sorting[key] = sorting(self.cfgs[key])
+        return self._sorting[key]
 
     def _sorted(self, known: KnownFunction, name: Name, state: State) -> Analysed:
         """A sorting routine entered in a state."""
@@ -266,8 +223,6 @@ class Functions:
         cfg: Cfg,
         nest: LoopNest,
         state: State,
-        depth: int,
-        family: _Family,
         thorough: bool,
         attempt: Attempt | None,
     ) -> Analysed:
@@ -280,7 +235,7 @@ class Functions:
             bare = self._bare(name, cfg, nest)
             return replace(bare, flow=replace(bare.flow, problems=(_contradicted(cfg, None),)))
         assumed = self.given.assumed.spoken_of
-        wanted = frozenset(k for k in callgraph.callees(cfg) if k in assumed or self._incomplete(k))
+        wanted = frozenset(k for k in callgraph.callees(cfg) if k in assumed or self.incomplete(k))
         helpers = {k: helper for k in callgraph.callees(cfg) if (helper := self.helper(k)) is not None}
         calls = ProgramCalls(self.summaries, wanted, helpers)
 
@@ -297,7 +252,7 @@ class Functions:
         order = self.orders[key]
         result = analyse_function(order, narrowed, self.image, calls, stated, ranking, self.limits, thorough, attempt)
         derived = {loop: bound.bound for loop, bound in result.bounds.items() if bound.origin is not Origin.ANNOTATION}
-        called = self._contexts(cfg, result, depth, family, narrowed)
+        called = {index: edge.callees for index, edge in enumerate(cfg.edges) if edge.callees}
         flow = FunctionFlow(
             cfg,
             nest,
@@ -325,6 +280,8 @@ class Functions:
             summary=effects.summarise(result.record),
             attempt=result.attempt,
             places={} if name[1] else result.accesses,
+            sites=result.record.calls,
+            entered=narrowed,
         )
 
     def _broken_facts(self, cfg: Cfg, result: FunctionResult) -> Iterator[Problem]:
@@ -395,98 +352,29 @@ class Functions:
             if bound is not None
         }
 
-    # ------------------------------------------------------------------------------------------------ contexts
-    def _incomplete(self, key: int) -> bool:
+    def incomplete(self, key: int) -> bool:
         """Whether the function, or something that it calls, might gain from knowing its caller."""
-        seen, waiting = {key}, [key]
-        while waiting:
+        if key in self._incomplete:
+            return self._incomplete[key]
+        seen, waiting, known, found = {key}, [key], True, False
+        while waiting and not found:
             quick = self.quick.get(waiting.pop())
-            if quick is None or quick.targets is None:
+            if quick is None:
+                known = False
                 continue
-            if quick.unbounded or quick.name[0] in self.cyclic:
-                return True
-            if any(hole.kind in POINTERS for hole in quick.flow.cfg.unresolved):
-                return True
+            if quick.targets is None:
+                continue
+            found = bool(quick.unbounded) or quick.name[0] in self.cyclic
+            found |= any(hole.kind in POINTERS for hole in quick.flow.cfg.unresolved)
             for callee in (callee for callees in quick.called.values() for callee in callees):
-                if isinstance(callee, Analysed):
-                    return True
-                if callee not in seen:
+                assert not isinstance(callee, Analysed), "contexts are followed in copies"
+                found |= self._incomplete.get(callee, False)
+                if callee not in seen and callee not in self._incomplete:
                     seen.add(callee)
                     waiting.append(callee)
-        return False
-
-    def _contexts(
-        self, cfg: Cfg, result: FunctionResult, depth: int, family: _Family, entered: State
-    ) -> dict[int, tuple[int | Analysed, ...]]:
-        found, caller = {}, (cfg.key, entered)
-        quick = self.quick.get(cfg.key)
-        if depth >= DEEP and quick is not None and quick.unbounded and result.unbounded >= quick.unbounded:
-            # No bound comes of this: contexts inside it would be asked for again for every function on the way here.
-            return {index: edge.callees for index, edge in enumerate(cfg.edges) if edge.callees}
-        for index, edge in enumerate(cfg.edges):
-            if edge.callees:
-                states = ((key, result.record.calls.get((index, key))) for key in edge.callees)
-                found[index] = tuple(self._context(key, state, depth, family, caller) for key, state in states)
+        if known or found:
+            self._incomplete[key] = found
         return found
-
-    def _context(
-        self, key: int, state: State | None, depth: int, family: _Family, caller: tuple[int, State]
-    ) -> int | Analysed:
-        """The context of a callee for an entry state, or its key: the context for all calls, unless that is
-        incomplete."""
-        if state is None:
-            return key
-        name = (key, effects.fingerprint(state))
-        mine = family.asked.setdefault(key, {})
-        known = mine.get(name)
-        if known is None and self._sorts(key) is None and not self._promising(key, state, depth, family, caller):
-            return key
-        if known is None:
-            known = self.contexts.get(name)
-        if known is None:
-            refused = family.refused
-            mine[name] = None
-            known = self._analyse(name, state, depth + 1, family, True)
-            known.words = effects.describe(state)
-            if family.refused == refused:
-                self.contexts[name] = known
-            if key in family.lost:
-                return key
-        family.enter(known)
-        return known
-
-    def _advances(self, key: int, state: State, caller: tuple[int, State]) -> bool:
-        """Whether a call on a cycle of calls, with known arguments, comes nearer to its end as far as one can see: some
-        argument is another number than the caller's was."""
-        numbers = [(state.constant_of(state.regs[r]), caller[1].constant_of(caller[1].regs[r])) for r in ARGUMENTS]
-        if caller[0] not in self.cyclic:
-            return any(mine is not None for mine, _ in numbers)
-        return any(mine is not None and other is not None and mine != other for mine, other in numbers)
-
-    def _promising(self, key: int, state: State, depth: int, family: _Family, caller: tuple[int, State]) -> bool:
-        """Whether one more context of a function is worth its time."""
-        if key in family.lost:
-            return False
-        if not effects.describe(state) and not any(state.memory.values()):
-            return False
-        mine = family.asked.get(key, {})
-        if key in self.cyclic:
-            if depth < MOST_CALLS and len(mine) < MOST_CALLS and self._advances(key, state, caller):
-                return True
-            family.refused += 1
-            family.lost.add(key)
-            return False
-        quick = self.quick[key]
-        vain = len(mine) >= MOST_VAIN and all(self._no_better(inside, quick) for inside in mine.values())
-        if depth < MOST_DEPTH and len(mine) < MOST_CONTEXTS and not vain:
-            return True
-        family.refused += 1
-        return False
-
-    @staticmethod
-    def _no_better(inside: Analysed | None, default: Analysed) -> bool:
-        """Whether a context left open what was open without it."""
-        return inside is None or inside.targets is None or inside.unbounded >= default.unbounded
 
 
 def without_calls(cfg: Cfg) -> Cfg:

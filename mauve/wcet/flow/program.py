@@ -19,11 +19,12 @@ from mauve.wcet.binary.lines import LineTable
 from mauve.wcet.binary.microop import IndirectCall, IndirectJump, Instruction
 from mauve.wcet.clock import OutOfTime, is_over
 from mauve.wcet.flow import domain
+from mauve.wcet.flow.analysed import Analysed
 from mauve.wcet.flow.assumed import Assumed
 from mauve.wcet.flow.domain import MASK, Range
 from mauve.wcet.flow.facts import Fact
 from mauve.wcet.flow.function import Limits
-from mauve.wcet.flow.functions import POINTERS, Analysed, Functions
+from mauve.wcet.flow.functions import POINTERS, Functions
 from mauve.wcet.flow.given import Given
 from mauve.wcet.flow.recursion import unroll
 from mauve.wcet.flow.result import ContextKey, FunctionFlow, ProgramFlow
@@ -202,6 +203,8 @@ class _Program:
         self.top: Analysed | None = None
         if initial_data:
             self.top = functions.from_state(entry, self._initial_state(functions.given.assumed))
+        top = self.top or functions.default(entry)
+        self.shared = {} if top is None else functions.contexts.joined(top, reversed(self.order.functions))
         self.used = self._used()
 
     def _initial_state(self, assumed: Assumed) -> State:
@@ -235,7 +238,7 @@ class _Program:
     def _callees(self, function: Analysed) -> Iterator[Analysed | None]:
         for index, callees in function.called.items():
             for callee in () if index in function.flow.infeasible else callees:
-                yield callee if isinstance(callee, Analysed) else self.functions.default(callee)
+                yield callee if isinstance(callee, Analysed) else self.shared.get(callee)
 
     def targets(self, before: Targets, stated: frozenset[int]) -> Targets:
         """Where branches and calls through pointers go, of those that the graphs alone leave open: all targets in every
@@ -309,7 +312,7 @@ class _Program:
         calls = {}
         for index, callees in function.called.items():
             # What only infeasible edges call has no name.
-            contexts = (c if isinstance(c, Analysed) else (self.functions.default(c) or c) for c in callees)
+            contexts = (c if isinstance(c, Analysed) else self.shared.get(c, c) for c in callees)
             if index not in function.flow.infeasible:
                 calls[index] = tuple(names[c] if isinstance(c, Analysed) else (c, "") for c in contexts)
         excluded = () if is_over(self.deadline) else self.functions.exclusive(function.name[0])
