@@ -2,13 +2,20 @@
 
 A path writes to its own layer; below lies what was written before it parted from others. When two paths meet, what
 either wrote since they parted becomes one layer. A layer that only one path still needs is taken up by the one above.
+
+A cell that no register ever held is a bare `Range`: it stands for a word of its own, but needs no object of its own, so
+that all cells of an array of which the same is known are one and the same object. It becomes a word when it is read.
 """
 
 from __future__ import annotations
 
 from typing import TypeAlias
 
+from mauve.wcet.flow.domain import Range
 from mauve.wcet.flow.run.words import Word
+
+Value: TypeAlias = Word | Range
+"""A word in memory."""
 
 
 class Half:
@@ -16,14 +23,14 @@ class Half:
 
     __slots__ = ("index", "value")
 
-    def __init__(self, value: Word, index: int) -> None:
+    def __init__(self, value: Value, index: int) -> None:
         self.value, self.index = value, index
 
 
-Part: TypeAlias = Word | Half
+Part: TypeAlias = Value | Half
 """A byte in memory: the low 8 bits of a word, or a part of a half-word."""
 
-Cell: TypeAlias = Word | list[Part]
+Cell: TypeAlias = Value | list[Part]
 """A word in memory, as one value or as four bytes. A list is never changed once it is in a layer."""
 
 
@@ -85,3 +92,51 @@ def common(a: Layer, b: Layer) -> Layer:
             assert other.below is not None
             other = other.below
     return one
+
+
+def written(layer: Layer, base: Layer, stack: int) -> dict[int, Cell]:
+    """The cells written on the way from a layer below and not forgotten since; not to be changed. `stack`: the first
+    key of the stack."""
+    chain: list[Layer] = []
+    one: Layer | None = layer
+    while one is not None and one is not base:
+        if one.cells or one.forgets:
+            chain.append(one)
+        one = one.below
+    if len(chain) == 1:
+        return chain[0].cells
+    found: dict[int, Cell] = {}
+    for layer in reversed(chain):
+        if layer.forgets:
+            found = {key: cell for key, cell in found.items() if key >= stack}
+        found.update(layer.cells)
+    return found
+
+
+def forgotten(layer: Layer, base: Layer) -> tuple[bool, bool]:
+    """Whether what is not in cells was forgotten on the way from a layer below, and whether addresses in the stack may
+    be there."""
+    forgets = wild = False
+    one: Layer | None = layer
+    while one is not None and one is not base:
+        forgets, wild = forgets or one.forgets, wild or one.wild
+        one = one.below
+    return forgets, wild
+
+
+def put_where(layer: Layer, key: int, cell: Cell) -> None:
+    """Put a cell that says as much as the one there in its place, for other paths as well; not so a device, which is
+    in no layer."""
+    one: Layer | None = layer
+    while one is not None:
+        if key in one.cells:
+            one.cells[key] = cell
+            return
+        one = one.below
+
+
+def lowest(layer: Layer) -> Layer:
+    """The layer where what was never written is kept."""
+    while layer.below is not None and not layer.forgets:
+        layer = layer.below
+    return layer

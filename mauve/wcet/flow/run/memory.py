@@ -8,15 +8,18 @@ stack.
 from __future__ import annotations
 
 from bisect import bisect_right
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
 from mauve.wcet.binary.elf import Binary, Segment
+from mauve.wcet.binary.microop import Op
 from mauve.wcet.flow import domain
 from mauve.wcet.flow.domain import BYTE, HALF, SIGNED_BYTE, SIGNED_HALF, TOP, Range
-from mauve.wcet.flow.run.layers import Cell, Half, Layer, Part, settled
+from mauve.wcet.flow.run import several
+from mauve.wcet.flow.run.cells import ANY, Shared, byte, byte_of, half, joined, mates_at, parts_of, simple, together
+from mauve.wcet.flow.run.layers import Cell, Half, Layer, Part, lowest, put_where, settled
 from mauve.wcet.flow.run.operations import extend_byte, extend_half
-from mauve.wcet.flow.run.words import MASK, UNKNOWN, WILD, Some, Stack, Stacks, Word, fresh, is_wild, made, merge
+from mauve.wcet.flow.run.words import UNKNOWN, WILD, Some, Stack, Stacks, Word, fresh, is_wild, made, merge, range_of
 
 Reader = Callable[[int], Word]
 """What is read at a key."""
@@ -61,13 +64,15 @@ class Memory:
         self.wild: set[int] = set()
         self.leaked = False
         """whether an address in the stack was ever written outside of it"""
+        self.shared = Shared()
         self.top_read = -(1 << 62)
         """the greatest offset from the first sp that was read since this was set back"""
         self._segments = sorted(binary.segments, key=lambda segment: segment.address)
         self._starts = [segment.address for segment in self._segments]
         self._unaligned = unaligned
         self._ours: set[int] = set()
-        """words that were found to be the program's to write"""
+        self._foreign: set[int] = set()
+        """words that were found to be the program's to write, and to be a device's"""
         self._given = tuple(sorted(given, key=lambda one: one.start))
 
     def restart(self, given: Sequence[Given]) -> None:
@@ -104,25 +109,25 @@ class Memory:
             if address.offset > self.top_read:
                 self.top_read = address.offset
             return self._word_at(STACK + address.offset)
-        return self._any_of(address, site, 4, self._word_at, TOP)
+        return self._any_of(address, site, 4, self._word_at, TOP, Op.MOV)
 
     def load_byte(self, address: Word, site: int) -> Word:
         """A byte, extended with zeros."""
-        return self._small(address, site, 1, self._byte_at, BYTE)
+        return self._small(address, site, 1, self._byte_at, BYTE, Op.UXTB)
 
     def load_signed_byte(self, address: Word, site: int) -> Word:
         """A byte, extended with its sign."""
-        return self._small(address, site, 1, self._signed_byte_at, SIGNED_BYTE)
+        return self._small(address, site, 1, self._signed_byte_at, SIGNED_BYTE, Op.SXTB)
 
     def load_half(self, address: Word, site: int) -> Word:
         """Two bytes, extended with zeros."""
-        return self._small(address, site, 2, self._half_at, HALF)
+        return self._small(address, site, 2, self._half_at, HALF, Op.UXTH)
 
     def load_signed_half(self, address: Word, site: int) -> Word:
         """Two bytes, extended with their sign."""
-        return self._small(address, site, 2, self._signed_half_at, SIGNED_HALF)
+        return self._small(address, site, 2, self._signed_half_at, SIGNED_HALF, Op.SXTH)
 
-    def _small(self, address: Word, site: int, size: int, read: Reader, every: Range) -> Word:
+    def _small(self, address: Word, site: int, size: int, read: Reader, every: Range, extend: Op) -> Word:
         if type(address) is int:
             if address < self.low[site]:
                 self.low[site] = address
@@ -134,9 +139,9 @@ class Memory:
             if address.offset > self.top_read:
                 self.top_read = address.offset
             return read(STACK + address.offset)
-        return self._any_of(address, site, size, read, every)
+        return self._any_of(address, site, size, read, every, extend)
 
-    def _any_of(self, address: Word, site: int, size: int, read: Reader, every: Range) -> Word:
+    def _any_of(self, address: Word, site: int, size: int, read: Reader, every: Range, extend: Op) -> Word:
         """What is read at one of several addresses; `every` are the values that an access of its kind can give."""
         keys = self._keys(address, site, size)
         if keys is None:
@@ -145,35 +150,65 @@ class Memory:
             return fresh(every)
         if len(keys) == 1:
             return read(keys[0])
-        numbers: set[int] = set()
-        ranges: set[Range] = set()
-        others: list[Word] = []
-        for key in keys:
-            found = read(key)
-            if type(found) is int:
-                numbers.add(found)
-            elif type(found) is Some:
-                ranges.add(found.range)
-            else:
-                others.append(found)
-        if numbers:
-            ranges.add(domain.of(numbers))
-        words = [*others, *map(made, ranges)]
-        result = words[0]
-        for word in words[1:]:
-            result = merge(result, word)
-        return result
+        if not self.leaked and any(self._elsewhere(key, size) for key in (keys[0], keys[-1])):
+            return fresh(every)
+        places = several.groups(keys, size)
+        if places is not None:
+            values = several.read(list(self._cells_at(places)), size, extend)
+            if values is not None:
+                return made(values)
+        return several.covering(map(read, keys))
 
-    def _keys(self, address: Word, site: int, size: int) -> list[int] | None:
+    def _elsewhere(self, key: int, size: int) -> bool:
+        """Whether an access goes to a word that is in no segment, where anything may be read."""
+        return key < DATA_END and not key % size and not self._around(key & ~3)
+
+    def _cells_at(self, places: Sequence[several.Group]) -> Iterator[tuple[Cell, tuple[int, ...]]]:
+        """The cells of several words with the positions that count in them."""
+        for bases, positions in places:
+            for _, cell in self._cells_of(bases):
+                yield cell, positions
+
+    def _cells_of(self, keys: Sequence[int]) -> list[tuple[int, Cell]]:
+        """Several words as they are in memory, in no order."""
+        if len(keys) < 4:
+            return [(key, self._cell(key)) for key in keys]
+        missing = set(keys)
+        found: list[tuple[int, Cell]] = []
+        layer: Layer | None = self.layer
+        while layer is not None and missing:
+            hits = layer.cells.keys() & missing
+            if hits:
+                cells = layer.cells
+                found += [(key, cells[key]) for key in hits]
+                missing -= hits
+            if layer.forgets:
+                break
+            layer = layer.below
+        bottom = lowest(self.layer).cells
+        for key in missing:
+            cell = self.look(self.layer, key)
+            if type(cell) is int:
+                bottom[key] = cell
+            found.append((key, cell))
+        return found
+
+    def _keys(self, address: Word, site: int, size: int) -> Sequence[int] | None:
         """The keys of all the places of an access with several; None where they are too many, or not known."""
         if type(address) is Stacks and address.offsets.size <= MOST_PLACES:
             self.wild.add(site)
             self.top_read = DATA_END
-            return [STACK + (offset - (1 << 32) if offset >> 31 else offset) for offset in address.offsets.members()]
+            offsets = address.offsets
+            if offsets.values is None and offsets.signed_bounds()[0] + offsets.span == offsets.signed_bounds()[1]:
+                low, high = offsets.signed_bounds()
+                return range(STACK + low, STACK + high + 1, offsets.step or 1)
+            return [STACK + (offset - (1 << 32) if offset >> 31 else offset) for offset in offsets.members()]
         if type(address) is Some and address.range.size <= MOST_PLACES:
             low, high = address.range.unsigned_bounds()
             self.low[site] = min(self.low[site], low)
             self.high[site] = max(self.high[site], high + size - 1)
+            if address.range.values is None and low + address.range.span == high:
+                return range(low, high + 1, address.range.step or 1)
             return list(address.range.members())
         self.wild.add(site)
         return None
@@ -193,39 +228,43 @@ class Memory:
         keys = self._places(address, value, site, 4)
         if len(keys) == 1:
             self._put(keys[0], value)
-            return
-        for key in keys:
-            self._put(key, merge(self._word_at(key), value))
+        elif not self._put_one_of(keys, value, 4):
+            for key in keys:
+                self._put(key, merge(self._word_at(key), value))
 
     def store_byte(self, address: Word, value: Word, site: int) -> None:
         """Write the low byte of a value."""
         keys = self._places(address, value, site, 1)
         if len(keys) == 1:
             self._put_parts(keys[0], (value & 0xFF if type(value) is int else value,))
-        elif keys:
-            self._put_somewhere(keys, _byte(value))
-
-    def _put_somewhere(self, keys: Sequence[int], value: Word) -> None:
-        """Write a byte to one of several places."""
-        places: dict[int, list[int]] = {}
-        for key in keys:
-            places.setdefault(key & ~3, []).append(key & 3)
-        for base, positions in places.items():
-            if not self._writable(base):
-                continue
-            parts = list(parts_of(self._cell(base)))
-            for position in positions:
-                part = parts[position]
-                before = _byte(part.value >> 8 * part.index) if type(part) is Half else _byte(part)  # type: ignore[arg-type]
-                parts[position] = merge(before, value)
-            self.cells[base] = _joined(parts)
+        elif not self._put_one_of(keys, value, 1):
+            for key in keys:
+                self._put_parts(key, (merge(self._byte_at(key), byte(value)),))
 
     def store_half(self, address: Word, value: Word, site: int) -> None:
         """Write the low two bytes of a value."""
         keys = self._places(address, value, site, 2)
-        for key in keys:
-            word = value if len(keys) == 1 else merge(self._half_at(key), _half(value))
-            self._put_half(key, word)
+        if len(keys) == 1:
+            self._put_half(keys[0], value)
+        elif not self._put_one_of(keys, value, 2):
+            for key in keys:
+                self._put_half(key, merge(self._half_at(key), half(value)))
+
+    def _put_one_of(self, keys: Sequence[int], value: Word, size: int) -> bool:
+        """Write to one of several places; False where each of them has to be looked at for itself."""
+        values, places = range_of(value), several.groups(keys, size)
+        if values is None or places is None:
+            return False
+        store = several.Weak(simple(values), size, self.shared)
+        for bases, positions in places:
+            if bases[0] < DATA_END and not self._ours.issuperset(bases):
+                own = [base for base in set(bases) - self._ours - self._foreign if self._writable(base)]
+                bases = [*self._ours.intersection(bases), *own] if own else list(self._ours.intersection(bases))
+            for base, cell in self._cells_of(bases):
+                after = store.after(cell, positions)
+                if after is not cell:
+                    self.cells[base] = after
+        return True
 
     def _places(self, address: Word, value: Word, site: int, size: int) -> Sequence[int]:
         """The keys that a store may write; none where nothing is known of memory after it. Raises Lost."""
@@ -243,7 +282,8 @@ class Memory:
             if is_wild(value) and keys[0] < DATA_END:
                 self.leaked = True
             # Of an address that is not a multiple of 4, a core that stores words to such only takes no notice.
-            return keys if size < 4 or self._unaligned else sorted({key & ~3 for key in keys})
+            aligned = type(keys) is range and not (keys[0] | keys.step) & 3
+            return keys if size < 4 or self._unaligned or aligned else sorted({key & ~3 for key in keys})
         if is_wild(address) or type(address) is Stacks:
             raise Lost("a store that may go anywhere")
         if is_wild(value):
@@ -260,7 +300,7 @@ class Memory:
 
     def _put(self, key: int, value: Word) -> None:
         if key & 3:
-            self._put_parts(key, _parts(value))
+            self._put_parts(key, parts_of(value))
             return
         if not self._writable(key):
             return
@@ -287,11 +327,11 @@ class Memory:
             base = (key + position) & ~3
             if not self._writable(base):
                 return
-            made_of = list(parts_of(self._cell(base)))
+            parts_ = list(parts_of(self._cell(base)))
             while position < len(parts) and (key + position) & ~3 == base:
-                made_of[(key + position) & 3] = parts[position]
+                parts_[(key + position) & 3] = parts[position]
                 position += 1
-            self.cells[base] = _joined(made_of)
+            self.cells[base] = joined(parts_)
 
     # ------------------------------------------------------------------------------------------------ cells
     def _cell(self, key: int) -> Cell:
@@ -307,7 +347,7 @@ class Memory:
             if found is not None:
                 return found
             if one.forgets and key < DATA_END and self._changeable(key):
-                unknown = WILD if one.wild else fresh()
+                unknown: Cell = WILD if one.wild else TOP
                 one.cells[key] = unknown
                 return unknown
             one = one.below
@@ -316,9 +356,8 @@ class Memory:
     def _initial(self, layer: Layer, key: int) -> Cell:
         """A word that was not written yet."""
         if key >= DATA_END:
-            unknown = fresh()
-            _lowest(layer).cells[key] = unknown
-            return unknown
+            lowest(layer).cells[key] = TOP
+            return TOP
         number = bisect_right(self._starts, key + 3) - 1
         if number < 0:
             return fresh()
@@ -335,7 +374,7 @@ class Memory:
                 return fresh()
         cell = self._as_given(key, parts)
         if type(cell) is not int:
-            _lowest(layer).cells[key] = cell
+            lowest(layer).cells[key] = cell
         return cell
 
     def _initial_byte(self, address: int) -> Part:
@@ -354,7 +393,7 @@ class Memory:
             if not (one.start < key + 4 and key < one.end):
                 continue
             if one.start <= key and key + 4 <= one.end and (key - one.start) % 4 == 0 and one.width in (0, 4):
-                return made(one.values) if one.width == 4 else fresh()
+                return simple(one.values) if one.width == 4 else TOP
             for i in range(4):
                 at = key + i - one.start
                 if not 0 <= at < one.end - one.start:
@@ -364,10 +403,10 @@ class Memory:
                 elif one.width == 2 and one.start % 2 == 0:
                     before = parts[i - 1] if i else None
                     known = type(before) is Half and at % 2 == 1
-                    parts[i] = Half(before.value, 1) if known and type(before) is Half else Half(made(one.values), 0)
+                    parts[i] = Half(before.value, 1) if known and type(before) is Half else Half(simple(one.values), 0)
                 else:
-                    parts[i] = made(one.values) if one.width == 1 else fresh(BYTE)
-        return _joined(parts)
+                    parts[i] = simple(one.values) if one.width == 1 else BYTE
+        return joined(parts)
 
     def _changeable(self, key: int) -> bool:
         """Whether any byte of a word is in a segment that can be written."""
@@ -380,8 +419,7 @@ class Memory:
         found = self._around(key)
         if not all(segment.writable for segment in found):
             raise Lost("code or a constant is written")
-        if found:
-            self._ours.add(key)
+        (self._ours if found else self._foreign).add(key)
         return bool(found)
 
     def _around(self, key: int) -> list[Segment]:
@@ -394,47 +432,70 @@ class Memory:
         if key & 3:
             return self._unaligned_at(key, 4)
         found = self._cell(key)
-        if type(found) is not list:
-            if type(found) is Some:
-                found.home = (key, 4)
-            return found  # type: ignore[return-value]
-        return _together(found)
+        if type(found) is list:
+            return together(found)
+        if type(found) is Range:
+            found = self._named(key, found)
+        if type(found) is Some:
+            found.home = (key, 4)
+        return found  # type: ignore[return-value]
+
+    def _named(self, key: int, values: Range) -> Word:
+        """A word of a bare range in memory, as it will be read again, on other paths as well."""
+        word = made(values)
+        put_where(self.layer, key, word)
+        return word
+
+    def _apart(self, key: int) -> Cell:
+        """A cell as four bytes if nothing or no more than its bytes are known, else as it is but never a bare range."""
+        cell = self._cell(key)
+        if type(cell) is Range and not cell.is_top:
+            return self._named(key, cell)
+        if type(cell) is Range or (type(cell) is Some and cell.range.is_top):
+            cell = list(ANY)
+            put_where(self.layer, key, cell)
+        return cell
+
+    def _part_at(self, base: int, parts: list[Part], position: int) -> Part:
+        """A byte of a cell; a bare range becomes a word, as it will be read again."""
+        part = parts[position]
+        if type(part) is Range:
+            changed = parts[:]
+            changed[position] = part = made(part)
+            put_where(self.layer, base, changed)
+        return part
 
     def _byte_at(self, key: int) -> Word:
-        base = key & ~3
+        base, position = key & ~3, key & 3
         cell = self._cell(base)
         if type(cell) is int:
-            return cell >> 8 * (key & 3) & 0xFF
-        if type(cell) is Some and cell.range.is_top:
+            return cell >> 8 * position & 0xFF
+        if type(cell) is not list:
             cell = self._apart(base)
         if type(cell) is not list:
-            return _byte(cell >> 8 * (key & 3)) if not is_wild(cell) else WILD  # type: ignore[operator]
-        part = cell[key & 3]
-        if type(part) is Half:
-            return _byte(part.value >> 8 * part.index) if not is_wild(part.value) else WILD
-        value = _byte(part)  # type: ignore[arg-type]
-        if type(value) is Some:
-            if value is not part and part is not UNKNOWN:
+            return byte(cell >> 8 * position) if not is_wild(cell) else WILD  # type: ignore[operator]
+        part = self._part_at(base, cell, position)
+        value = byte_of(part)
+        if type(value) is Some and type(part) is not Half and part is not UNKNOWN:
+            if value is not part and base in self.cells:
                 # The same byte, as it will be read again.
-                changed = list(cell)
-                changed[key & 3] = value
-                if base in self.cells:
-                    self.cells[base] = changed
-            if part is not UNKNOWN:
-                value.home = (key, 1)
+                changed = list(self.cells[base])  # type: ignore[arg-type]
+                changed[position] = value
+                self.cells[base] = changed
+            value.home = (key, 1)
         return value
 
     def _signed_byte_at(self, key: int) -> Word:
         cell = self._cell(key & ~3)
         if type(cell) is list:
-            part = cell[key & 3]
+            part = self._part_at(key & ~3, cell, key & 3)
             if type(part) is Some and domain.includes(domain.SIGNED_BYTE, part.range):
                 part.home = (key, 1)
                 return part
         return _signed(extend_byte, self._byte_at(key))
 
     def _half_at(self, key: int) -> Word:
-        return _half(self._half_of(key))
+        return half(self._half_of(key))
 
     def _signed_half_at(self, key: int) -> Word:
         return _signed(extend_half, self._half_of(key))
@@ -443,32 +504,28 @@ class Memory:
         """A word of which the low 16 bits are those read."""
         if key & 1:
             return self._unaligned_at(key, 2)
-        cell = self._cell(key & ~3)
+        base, position = key & ~3, key & 2
+        cell = self._cell(base)
+        if type(cell) is Range:
+            cell = [Half(HALF, 0), Half(HALF, 1)] * 2 if cell.is_top else self._named(base, cell)
         if type(cell) is not list:
-            return WILD if is_wild(cell) else cell >> 8 * (key & 2)  # type: ignore[operator]
-        first, second = cell[key & 3], cell[(key & 3) + 1]
-        if type(first) is Half and type(second) is Half and first.value is second.value:
-            if (first.index, second.index) == (0, 1):
-                if type(first.value) is Some:
-                    first.value.home = (key, 2)
-                return first.value
-            return fresh(HALF)
-        return _together([first, second, 0, 0])
+            return WILD if is_wild(cell) else cell >> 8 * position  # type: ignore[operator]
+        found = mates_at(cell, position)
+        if found is None:
+            return together([*cell[position : position + 2], 0, 0])
+        if type(found) is Range:
+            found = made(found)
+            changed = list(cell)
+            changed[position : position + 2] = [Half(found, 0), Half(found, 1)]
+            put_where(self.layer, base, changed)
+        if type(found) is Some:
+            found.home = (key, 2)
+        return found  # type: ignore[return-value]
 
     def _unaligned_at(self, key: int, size: int) -> Word:
         if not self._unaligned:
             return WILD if self.leaked or key >= DATA_END else fresh()
-        return _together([self._byte_at(key + i) if i < size else 0 for i in range(4)])
-
-    def _apart(self, key: int) -> list[Part]:
-        """Four bytes of which nothing is known, in the place of a word of which nothing is known."""
-        parts: list[Part] = [fresh(BYTE) for _ in range(4)]
-        layer = self.layer
-        while key not in layer.cells and layer.below is not None:
-            layer = layer.below
-        # Where the word is: for other paths as well, four bytes say as much as the word did.
-        layer.cells[key] = parts
-        return parts
+        return together([self._byte_at(key + i) if i < size else 0 for i in range(4)])
 
     # ------------------------------------------------------------------------------------------------ paths
     def narrow(self, word: Some, narrower: Word) -> None:
@@ -487,44 +544,6 @@ class Memory:
             elif size == 2 and type(found) is Half and found.value is word:
                 self._put_half(key, narrower)
 
-    def keys_since(self, layer: Layer, base: Layer) -> Iterator[int]:
-        """The keys written on the way from a layer below."""
-        one: Layer | None = layer
-        while one is not None and one is not base:
-            yield from one.cells
-            one = one.below
-
-
-def _lowest(layer: Layer) -> Layer:
-    while layer.below is not None and not layer.forgets:
-        layer = layer.below
-    return layer
-
-
-def parts_of(cell: Cell) -> Iterable[Part]:
-    """The four bytes of a word."""
-    return cell if type(cell) is list else _parts(cell)  # type: ignore[arg-type]
-
-
-def _parts(value: Word) -> list[Part]:
-    if type(value) is int:
-        return [value >> 8 * i & 0xFF for i in range(4)]
-    if is_wild(value):
-        return [WILD] * 4
-    if type(value) is Some and not value.range.is_top:
-        return [_byte(value >> 8 * i) for i in range(4)]
-    return [fresh(BYTE) for _ in range(4)]
-
-
-def _byte(value: Word) -> Word:
-    if is_wild(value):
-        return WILD
-    return value & 0xFF
-
-
-def _half(value: Word) -> Word:
-    return WILD if is_wild(value) else value & 0xFFFF
-
 
 def _signed(extend: Reading, value: Word) -> Word:
     if is_wild(value):
@@ -533,46 +552,3 @@ def _signed(extend: Reading, value: Word) -> Word:
     if type(found) is Some and type(value) is Some and found.range == value.range:
         return value
     return found
-
-
-def _together(parts: list[Part]) -> Word:
-    """The word that four bytes make."""
-    result = 0
-    known = True
-    for i, part in enumerate(parts):
-        if type(part) is int:
-            result |= (part & 0xFF) << 8 * i
-        elif is_wild(part.value if type(part) is Half else part):
-            return WILD
-        else:
-            known = False
-    if known:
-        return result & 0xFFFF_FFFF
-    low_half = _low_half(parts)
-    if low_half is not None and all(type(part) is int and part == 0 for part in parts[2:]):
-        return low_half & 0xFFFF
-    bounds = [_bounds(part) for part in parts]
-    low, high = (sum(pair[side] << 8 * i for i, pair in enumerate(bounds)) for side in (0, 1))
-    return fresh(domain.between(low, high))
-
-
-def _bounds(part: Part) -> tuple[int, int]:
-    """The least and the greatest value of a byte."""
-    value = _byte(part.value >> 8 * part.index) if type(part) is Half else _byte(part)  # type: ignore[arg-type]
-    if type(value) is int:
-        return value, value
-    return value.range.unsigned_bounds() if type(value) is Some else (0, 255)
-
-
-def _low_half(parts: list[Part]) -> Word | None:
-    first, second = parts[0], parts[1]
-    if type(first) is Half and type(second) is Half and first.value is second.value and second.index == 1:
-        return first.value
-    return None
-
-
-def _joined(parts: list[Part]) -> Cell:
-    """A word if all four bytes are known, else the bytes."""
-    if all(type(part) is int for part in parts):
-        return sum((part & 0xFF) << 8 * i for i, part in enumerate(parts) if type(part) is int) & MASK
-    return parts
