@@ -76,11 +76,11 @@ def examine(image: Path, only: set[str], inputs: int, timeout: float) -> list[Ro
 
 
 def verdict(row: Row) -> str:
-    """One word for a row."""
+    """One word for a row. Routines that are not followed, and so have no bound, have no graph to compare with."""
     if row["traceback"]:
         return "traceback"
     above = row["cycles"] is not None and max(row.get("walked", 0), row.get("timed", 0)) > row["cycles"]
-    if above or row.get("wrong") or (row.get("outside") and row["bounded"]):
+    if above or (row["bounded"] and (row.get("wrong") or row.get("outside"))):
         return "UNSOUND"
     if row["bounded"]:
         return "bounded"

@@ -9,7 +9,7 @@ every call. So every call has a context that holds its state, whatever the limit
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 from mauve.wcet.flow import effects, joining
@@ -20,6 +20,8 @@ from mauve.wcet.flow.state import State
 if TYPE_CHECKING:
     from mauve.wcet.flow.functions import Functions
 
+REGULAR = ("regular",)
+"""Stands for the state in which a helper of floating-point arithmetic is entered without subnormal operands."""
 MOST_CONTEXTS = 24
 """How many contexts of one function are asked for in the analysis of one other."""
 MOST_VAIN = 3
@@ -30,6 +32,10 @@ DEEP = 2
 """From so many calls on, a context that leaves open all that was open without it is followed no further."""
 MOST_CALLS = 48
 """How many contexts of a function that calls itself, directly or not, are followed into each other."""
+
+
+Called = dict[int, tuple[int | Analysed, ...]]
+"""By edge, what is called: contexts, or keys of functions in a context that several calls share."""
 
 
 @dataclass(slots=True)
@@ -59,6 +65,7 @@ class Contexts:
     def __init__(self, functions: Functions) -> None:
         self._functions = functions
         self._known: dict[Name, Analysed] = {}
+        self._spared: dict[int, Analysed | None] = {}
 
     def follow(self, function: Analysed, depth: int, family: Family) -> None:
         """Find the contexts of what a function calls, `depth` calls below the one that the family belongs to."""
@@ -68,7 +75,7 @@ class Contexts:
         quick, key = self._functions.quick.get(function.name[0]), function.name[0]
         # No bound comes of this: contexts inside it would be asked for again for every function on the way here.
         vain = depth >= DEEP and quick is not None and quick.unbounded and function.unbounded >= quick.unbounded
-        called: dict[int, tuple[int | Analysed, ...]] = {}
+        called: Called = {}
         left: dict[int, State | None] = {}
         for index, callees in function.called.items():
             found: list[int | Analysed] = []
@@ -82,7 +89,7 @@ class Contexts:
                         left[callee] = _joined(left, callee, state)
                 found.append(context)
             called[index] = tuple(found)
-        function.called = called
+        function.called = self._regular(key, called)
         function.left = {callee: state for callee, state in left.items() if state is not None and tells(state)}
 
     def _context(
@@ -137,6 +144,34 @@ class Contexts:
             return True
         family.refused += 1
         return False
+
+    def _regular(self, key: int, called: Called) -> Called:
+        """What a function calls, where its calls are known to pass no subnormal operands to a helper that takes long
+        over them."""
+        helpers = {callee for callees in called.values() for callee in callees if isinstance(callee, int)}
+        spared = {callee: it for callee in helpers if (it := self._without_subnormals(callee)) is not None}
+        if not spared:
+            return called
+        from mauve.wcet.flow.regular import regular_calls
+
+        return called | {
+            index: tuple(spared.get(c, c) if isinstance(c, int) else c for c in called[index])
+            for index in regular_calls(self._functions.cfgs[key])
+            if index in called
+        }
+
+    def _without_subnormals(self, key: int) -> Analysed | None:
+        """A helper in the context of operands that are not subnormal; None where that makes no difference."""
+        if key not in self._spared:
+            from mauve.wcet.flow.regular import WORDS, without_subnormals
+
+            self._spared[key] = None
+            known = self._functions.routines.get(key)
+            default = self._functions.default(key) if known else None
+            flow = None if default is None or not known else without_subnormals(default.flow, known)
+            if default is not None and flow is not None:
+                self._spared[key] = replace(default, flow=flow, name=(key, REGULAR), words=WORDS)
+        return self._spared[key]
 
     # ------------------------------------------------------------------------------------------------ joined
     def joined(self, top: Analysed, callers_first: Iterable[int]) -> dict[int, Analysed]:

@@ -27,6 +27,9 @@ FORMAT = 1
 """Changes with the way a fingerprint is made; the table names the one it was made with."""
 
 
+SUBNORMAL = ("single-denormal", "double-denormal")
+"""The proofs of loops that are entered for subnormal operands only."""
+
 LARGEST = 1 << 20
 """A formula of a greater argument is no bound: that is the range of a type, not what somebody knows."""
 
@@ -85,12 +88,13 @@ def _read_sum(text: str) -> tuple[Term, ...]:
 class KnownLoop:
     """A loop of a known routine: `offset` of its header from the function's start, executions of the header per call:
     `total`. `each`: those per entry of the loop, where it is known to be entered more often than once with fewer each
-    time."""
+    time. `subnormal`: it is entered for subnormal operands only."""
 
     offset: int
     total: Formula
     proof: str
     each: Formula | None = None
+    subnormal: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -251,7 +255,7 @@ def read_table(text: str) -> dict[str, KnownFunction]:
             entry.get("most", 0),
             entry.get("stack", 0),
         )
-        for entry in data["function"]
+        for entry in data.get("function", ())
     }
 
 
@@ -259,4 +263,4 @@ def _known_loop(entry: Mapping[str, Any], proofs: Mapping[str, str]) -> KnownLoo
     """A loop of the table: its bound is a `total`, or a formula of arguments."""
     each = read_formula(entry["each"]) if "each" in entry else None
     total = read_formula(entry["bound"] if "bound" in entry else entry["total"])
-    return KnownLoop(entry["offset"], total, proofs[entry["proof"]], each)
+    return KnownLoop(entry["offset"], total, proofs[entry["proof"]], each, entry["proof"] in SUBNORMAL)

@@ -346,7 +346,7 @@ def float_calls(name: str, rng: random.Random, runs: int) -> Iterator[Call]:
     """Calls with special and random operands; for sine and cosine those nearest to multiples of pi/2."""
     through, single = f"run_{FLOAT[name]}", name.endswith("f")
     if "rem_pio2" in name:
-        bits, exponents = (24, range(104)) if single else (53, range(0, 971, 1 if runs > 1000 else 16))
+        bits, exponents = (24, range(-30, 104)) if single else (53, range(-60, 971, 1 if runs > 1000 else 16))
         for number, exponent, near in nearest(bits, exponents):
             assert near > Fraction(1, 1 << (31 if single else 62)), (exponent, near)
             kind, word = ("<f", "<1I") if single else ("<d", "<2I")
