@@ -52,8 +52,8 @@ PROOFS = {
         "it (`nearest`). Below 2**-27 (tan: 2**-28) x is returned, or 1 (tan: -1/(x + y) after a reduction, of x not "
         "below 2**-62; 1/x of a 0). From 0.67 on tan goes on with the distance to pi/4, not below 2**-63. So x**2 is "
         "at least 2**-126, x**3 2**-189, x**4 2**-252; the coefficients of the polynomials are at least 2**-37, and "
-        "each step is a coefficient and a smaller rest. Products with y are multiples of 2**-(464 + 160), others and their "
-        "differences of 2**-400."
+        "each step is a coefficient and a smaller rest. Products with y are multiples of 2**-(464 + 160), others and "
+        "their differences of 2**-400."
     ),
     "exponential": (
         "Below 2**-32 the argument is not multiplied, but returned with 1. Else it is a number above 2**-32 or, after "
