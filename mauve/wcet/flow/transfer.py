@@ -160,8 +160,8 @@ def _masked(state: State, op: Op, a: Value, mask: int) -> Value | None:
     if op is Op.XOR:
         return linear.sub(MASK, a) if mask == MASK else (a if mask == 0 else None)
     if op is Op.OR:
-        if mask == 0:
-            return a
+        if mask == 0 or _is_at_multiple(a, mask):
+            return linear.add(a, mask)
         known = domain.bit_and(state.range_of(a), domain.constant(mask))
         return linear.add(a, mask) if known.n == 0 and known.low == 0 else None
     low = mask ^ MASK
@@ -170,6 +170,12 @@ def _masked(state: State, op: Op, a: Value, mask: int) -> Value | None:
     if mask & (mask + 1) == 0 and domain.includes(domain.between(0, mask), _hull(state.range_of(a))):
         return a
     return None
+
+
+def _is_at_multiple(a: Value, bits: int) -> bool:
+    """Whether an address has a constant distance from sp at the function's entry, and none of some low bits: sp is a
+    multiple of 4 at any time (AAPCS, 6.2.1.1). clang writes the address of a buffer's second byte so."""
+    return type(a) is tuple and a[1:] == (FRAME, 1) and bits < 4 and not a[0] & bits
 
 
 # ------------------------------------------------------------------------------------------------------- flags

@@ -27,6 +27,7 @@ from mauve.wcet.binary.microop import (
 from mauve.wcet.flow import domain, effects, flags, joining, linear, transfer
 from mauve.wcet.flow.domain import MASK, TOP
 from mauve.wcet.flow.linear import entry_symbol
+from mauve.wcet.flow.rank.terms import FrameBase, add, atom, compute, number
 from mauve.wcet.flow.state import State, Symbols
 
 REGISTERS = 6
@@ -252,3 +253,13 @@ def test_a_call_keeps_the_upper_half_of_the_fpu_registers():
     assert after is not None
     transfer.run(after, (*RELOAD, Compute(Op.UNKNOWN, 4), FromFloat(4, 15)), transfer.NoImage())
     assert after.regs[3] == before and after.regs[4] != before
+
+
+@pytest.mark.parametrize(("offset", "bits", "known"), [(-44, 1, True), (8, 3, True), (5, 1, False), (0, 4, False)])
+def test_low_bits_put_into_an_address_of_the_frame_are_added(offset, bits, known):
+    """clang writes `orr r1, r0, #1` for the second byte of a buffer on the stack; sp is a multiple of 4."""
+    state = run_over(Compute(Op.ADD, 0, 13, Imm(offset & MASK)), Compute(Op.OR, 1, 0, Imm(bits)))
+    there = linear.add(linear.of_symbol(linear.FRAME), offset + bits & MASK)
+    assert (state.regs[1] == there) == known
+    term = compute(Op.OR, add(atom(FrameBase()), number(offset)), number(bits))
+    assert (term == add(atom(FrameBase()), number(offset + bits))) == known

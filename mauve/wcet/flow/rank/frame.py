@@ -151,6 +151,10 @@ def _compute(op: Compute, here: _Pointers, constants: dict[int, int]) -> None:
             distance = known_a + (number if op.op is Op.ADD else -number)
         elif known_b is not None and op.op is Op.ADD and (number := constant(a)) is not None:
             distance = known_b + number
+    elif op.op is Op.OR and known_a is not None:
+        number = constant(b)
+        if number is not None and number < 4 and not known_a & number:  # sp is a multiple of 4 (AAPCS, 6.2.1.1)
+            distance = known_a + number
     derived = any(not isinstance(o, Imm) and o in here.derived for o in (a, b))
     _forget(here, op.dst)
     constants.pop(op.dst, None)

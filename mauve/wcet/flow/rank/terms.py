@@ -72,6 +72,7 @@ class Truth:
 
 
 Atom = Var | FrameBase | Fresh | Apply | Truth
+_STACK: frozenset[tuple[Atom, int]] = frozenset({(FrameBase(), 1)})
 
 
 @dataclass(frozen=True, slots=True)
@@ -282,6 +283,8 @@ def _simplified(op: Op, a: Term, b: Term) -> Term | None:
             return ZERO
         case Op.OR | Op.XOR if b == ZERO:
             return a
+        case Op.OR if b.is_constant and b.constant < 4 and not a.constant & b.constant and a.parts == _STACK:
+            return add(a, b)  # sp is a multiple of 4 at any time (AAPCS, 6.2.1.1)
         case Op.AND if b == ZERO:
             return ZERO
         case Op.AND if b.constant == WORD - 1 and b.is_constant:
