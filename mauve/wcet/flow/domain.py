@@ -42,8 +42,8 @@ class Range:
         return (
             isinstance(other, Range)
             and self.low == other.low
-            and self.step == other.step
             and self.n == other.n
+            and self.step == other.step
             and self.values == other.values
         )
 
@@ -170,12 +170,12 @@ def join(x: Range, y: Range) -> Range:
     """A range that holds both."""
     if x is y or x == y:
         return x
-    if x.size + y.size <= 2 * SMALL and x.size <= SMALL and y.size <= SMALL:
+    if x.n == MASK or y.n == MASK:
+        return TOP
+    if (x.n < SMALL or x.values is not None) and (y.n < SMALL or y.values is not None):
         union = {*x.members(), *y.members()}
         if len(union) <= SMALL:
             return of(union)
-    if x.is_top or y.is_top:
-        return TOP
     ahead = (y.low - x.low) & MASK
     first = max(x.span, ahead + y.span)
     behind = (x.low - y.low) & MASK
@@ -337,10 +337,7 @@ def _known_bits(x: Range) -> tuple[int, int]:
     low, high = x.unsigned_bounds()
     differing = (low ^ high).bit_length()
     known = MASK >> differing << differing
-    if x.n:
-        known |= (x.step & -x.step) - 1
-    else:
-        known = MASK
+    known = known | (x.step & -x.step) - 1 if x.n else MASK
     return known, low & known | x.low & ((x.step & -x.step) - 1 if x.n else MASK)
 
 
@@ -546,6 +543,8 @@ def apply(op: Op, x: Range, y: Range) -> Range:
     """All results of a micro-operation that reads no flag (ADC, SBC, RRX and UNKNOWN are the caller's)."""
     if op in _UNARY:
         y = Range(0, 0, 0)
+    if x.n == 0 and y.n == 0:
+        return constant(_CONCRETE[op](x.low, y.low))
     if x.size * y.size <= SMALL:
         return of(concrete(op, a, b) for a in x.members() for b in y.members())
     function = _RANGES.get(op)

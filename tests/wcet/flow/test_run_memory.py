@@ -8,13 +8,14 @@ from pathlib import Path
 from random import Random
 from typing import Any
 
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from mauve.wcet.binary.elf import Binary, Segment, load
 from mauve.wcet.flow import domain
 from mauve.wcet.flow.run.layers import branch, release
-from mauve.wcet.flow.run.memory import Given, Memory
+from mauve.wcet.flow.run.memory import Given, Lost, Memory
 from mauve.wcet.flow.run.narrow import within
 from mauve.wcet.flow.run.paths import Counters, Meeting, includes, widen
 from mauve.wcet.flow.run.paths import Path as Way
@@ -365,3 +366,21 @@ def test_cells_of_which_the_same_is_known_are_one_object() -> None:
     memory.store_byte(array, 5, site)
     again = memory.load_byte(START + 0x41, site)
     assert again is not found and holds(again, 99) and not holds(again, 100)
+
+
+def test_a_store_through_a_range_keeps_to_what_can_be_written() -> None:
+    """What lies in no segment is a device's, and constants are not written; they are read as they start."""
+    data = Segment(START, 0x22, bytes(range(0x22)), True, False)
+    constants = Segment(START + 0x100, 0x20, bytes(range(0x20)), False, False)
+    memory = Memory(replace(image(), segments=(data, constants)), True)
+    site = memory.site()
+    for name, step in (("store_byte", 1), ("store_half", 2), ("store", 4), ("store", 12)):
+        getattr(memory, name)(Some(domain.progression(START - 0x10 * step, step, 0x20)), 77, site)
+    assert {key for key in memory.cells if key < START + 0x100} <= set(range(START, START + 0x24, 4))
+    assert holds(memory.load_byte(START + 0x20, site), 0x20) and holds(memory.load_byte(START + 0x20, site), 77)
+    with pytest.raises(Lost):
+        memory.store(Some(domain.progression(START + 0x10, 0x10, 0x10)), 77, site)
+    assert memory.load(START + 0x104, site) == memory.load(START + 0x104, site) == 0x0706_0504
+    assert holds(memory.load_byte(Some(domain.between(START + 0x100, START + 0x11F)), site), 0x1F)
+    memory.restart((Given(START + 0x104, START + 0x108),))
+    assert type(memory.load(START + 0x104, site)) is Some

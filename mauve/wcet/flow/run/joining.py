@@ -148,8 +148,7 @@ def _holds(wide: Value, values: int | Range | None, *extensions: Op) -> bool:
     one = wide if type(wide) is Range else range_of(wide)
     two = values if isinstance(values, Range) else domain.constant(values)
     return one is not None and any(
-        domain.includes(one, narrow)
-        for narrow in (two, *(domain.apply(op, two, TOP) for op in extensions))
+        domain.includes(one, narrow) for narrow in (two, *(domain.apply(op, two, TOP) for op in extensions))
     )
 
 

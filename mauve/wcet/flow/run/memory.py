@@ -71,14 +71,16 @@ class Memory:
         self._starts = [segment.address for segment in self._segments]
         self._unaligned = unaligned
         self._ours: set[int] = set()
-        self._foreign: set[int] = set()
-        """words that were found to be the program's to write, and to be a device's"""
+        """words that were found to be the program's to write"""
+        self._constants: dict[int, Cell] = {}
+        """words that cannot be written, as far as they were read"""
         self._given = tuple(sorted(given, key=lambda one: one.start))
 
     def restart(self, given: Sequence[Given]) -> None:
         """Memory as a program starts with it."""
         self.layer = Layer(None)
         self.cells = self.layer.cells
+        self._constants = {}
         self._given = tuple(sorted(given, key=lambda one: one.start))
 
     def site(self) -> int:
@@ -101,6 +103,8 @@ class Memory:
             if address > self.high[site] - 3:
                 self.high[site] = address + 3
             found = self.cells.get(address)
+            if found is None:
+                found = self._constants.get(address)
             if type(found) is int:
                 return found
             return self._word_at(address)
@@ -174,7 +178,9 @@ class Memory:
         if len(keys) < 4:
             return [(key, self._cell(key)) for key in keys]
         missing = set(keys)
-        found: list[tuple[int, Cell]] = []
+        constant = self._constants.keys() & missing
+        found = [(key, self._constants[key]) for key in constant]
+        missing -= constant
         layer: Layer | None = self.layer
         while layer is not None and missing:
             hits = layer.cells.keys() & missing
@@ -257,14 +263,30 @@ class Memory:
             return False
         store = several.Weak(simple(values), size, self.shared)
         for bases, positions in places:
-            if bases[0] < DATA_END and not self._ours.issuperset(bases):
-                own = [base for base in set(bases) - self._ours - self._foreign if self._writable(base)]
-                bases = [*self._ours.intersection(bases), *own] if own else list(self._ours.intersection(bases))
-            for base, cell in self._cells_of(bases):
-                after = store.after(cell, positions)
-                if after is not cell:
-                    self.cells[base] = after
+            for part in self._own(bases):
+                for base, cell in self._cells_of(part):
+                    after = store.after(cell, positions)
+                    if after is not cell:
+                        self.cells[base] = after
         return True
+
+    def _own(self, bases: Sequence[int]) -> list[Sequence[int]]:
+        """Those of several words that are the program's to write. Raises Lost for code and constants."""
+        if bases[0] >= DATA_END:
+            return [bases]
+        if not isinstance(bases, range):
+            return [[base for base in bases if self._writable(base)]]
+        found: list[Sequence[int]] = []
+        start, step = bases[0], bases.step
+        for segment in self._segments:
+            # Words of which any byte is in the segment; one that is in two of them may be written twice.
+            first, behind = -((start + 3 - segment.address) // step), (segment.end - 1 - start) // step + 1
+            part = bases[max(0, first) : max(0, behind)]
+            if part and not segment.writable:
+                raise Lost("code or a constant is written")
+            if part:
+                found.append(part)
+        return found
 
     def _places(self, address: Word, value: Word, site: int, size: int) -> Sequence[int]:
         """The keys that a store may write; none where nothing is known of memory after it. Raises Lost."""
@@ -337,6 +359,8 @@ class Memory:
     def _cell(self, key: int) -> Cell:
         """A word as it is in memory; one of which nothing is known gets a value of its own."""
         found = self.cells.get(key)
+        if found is None:
+            found = self._constants.get(key)
         return self.look(self.layer, key) if found is None else found
 
     def look(self, layer: Layer, key: int) -> Cell:
@@ -366,6 +390,8 @@ class Memory:
             data = segment.data[key - segment.address : key - segment.address + 4]
             word = int.from_bytes(data.ljust(4, b"\0"), "little")
             if not any(one.start < key + 4 and key < one.end for one in self._given):
+                if not segment.writable:
+                    self._constants[key] = word
                 return word
             parts: list[Part] = [word >> 8 * i & 0xFF for i in range(4)]
         else:
@@ -419,7 +445,8 @@ class Memory:
         found = self._around(key)
         if not all(segment.writable for segment in found):
             raise Lost("code or a constant is written")
-        (self._ours if found else self._foreign).add(key)
+        if found:
+            self._ours.add(key)
         return bool(found)
 
     def _around(self, key: int) -> list[Segment]:
