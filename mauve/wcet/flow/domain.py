@@ -364,8 +364,18 @@ def bit_and(x: Range, y: Range) -> Range:
     zeros = known_x & ~value_x | known_y & ~value_y
     ones = known_x & value_x & known_y & value_y
     result = _from_bits(zeros & MASK | ones, ones)
-    clipped = clip(result, 0, min(high, y.unsigned_bounds()[1]))
+    least, most = 0, min(high, y.unsigned_bounds()[1])
+    if y.n == 0 and clears_low_bits(high, y.low):
+        least, most = low & y.low, high & y.low
+    clipped = clip(result, least, most)
     return clipped if clipped is not None else result
+
+
+def clears_low_bits(high: int, mask: int) -> bool:
+    """Whether a mask clears some of the lowest bits of numbers up to `high`, and no others: then x & mask grows with
+    x."""
+    cleared = (1 << high.bit_length()) - 1 & ~mask
+    return cleared & (cleared + 1) == 0
 
 
 def bit_or(x: Range, y: Range) -> Range:

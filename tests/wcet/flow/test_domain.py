@@ -134,6 +134,8 @@ def test_scaling_holds_the_products(pair, factor):
 
 def test_masks_and_shifts_keep_intervals_and_steps():
     assert repr(domain.bit_and(domain.TOP, domain.constant(15))) == "[0..15]"
+    assert repr(domain.bit_and(domain.between(2, 20), domain.constant(254))) == "[2..20 by 2]"
+    assert repr(domain.bit_and(domain.between(6, 20), domain.constant(12))) == "[0..12 by 4]"
     assert repr(domain.apply(Op.SHL, Range(0, 1, 15), domain.constant(2))) == "[0..60 by 4]"
     assert repr(domain.apply(Op.LSR, domain.TOP, domain.constant(28))) == "[0..15]"
     assert repr(domain.clip(domain.TOP, 0x80000000, 60)) == "[-2147483648..60]"

@@ -15,6 +15,7 @@ from mauve.wcet.flow.rank.terms import (
     Term,
     Var,
     add,
+    apply_bounds,
     atom,
     bounds,
     compute,
@@ -99,3 +100,10 @@ def test_what_a_multiple_says_of_its_number(x: int, factor: int, low: int, more:
         assert contains(knowledge.of_term(X), x)
         assert knowledge.of_term(X).high * factor <= low + more
     assert ZERO.is_constant
+
+
+@settings(max_examples=200, deadline=None)
+@given(st.integers(0, 5000), st.integers(0, 5000), st.integers(0, 5000), words | st.integers(0, 8191))
+def test_a_conjunction_is_between_its_bounds(low: int, within: int, more: int, mask: int) -> None:
+    found = apply_bounds(Op.AND, Interval(low, low + within + more), Interval(mask, mask))
+    assert contains(found, (low + within) & mask)

@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 from enum import Enum
 
 from mauve.wcet.binary.microop import Op
+from mauve.wcet.flow.domain import clears_low_bits
 from mauve.wcet.flow.locations import ANY, HALF, WORD, Interval, Location, whole
 
 LARGEST_TERM = 48
@@ -442,6 +443,8 @@ def apply_bounds(op: Op, a: Interval, b: Interval) -> Interval:
     """The values of an operation on values of two intervals."""
     (al, ah), (bl, bh) = a.unsigned, b.unsigned
     match op:
+        case Op.AND if bl == bh and clears_low_bits(ah, bl):
+            return Interval(al & bl, ah & bl)
         case Op.AND:
             return Interval(0, min(ah, bh))
         case Op.OR:
