@@ -66,7 +66,7 @@ def examine(image: Path, only: set[str], inputs: int, timeout: float) -> list[Ro
             binary, program, bounds, lines = rest
             row |= observed(image, entry, CORES[core].board, program, bounds, "nofact", inputs, 5.0, binary, lines)
         except AssertionError as error:
-            row["traceback"] = "" if "no symbol" in str(error) else traceback.format_exc()
+            row["traceback"] = "" if "there is no function" in str(error) else traceback.format_exc()
             if not row["traceback"]:
                 continue
         except Exception:

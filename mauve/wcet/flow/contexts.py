@@ -131,6 +131,9 @@ class Contexts:
             return False
         if not tells(state):
             return False
+        functions = self._functions
+        if functions.takes_angle(key) and not functions.incomplete(key) and not _tells_angle(state):
+            return False
         mine = family.asked.get(key, {})
         if key in self._functions.cyclic:
             if depth < MOST_CALLS and len(mine) < MOST_CALLS and self._advances(key, state, caller):
@@ -267,6 +270,11 @@ class _Join:
 def tells(state: State) -> bool:
     """Whether a state tells its function anything."""
     return bool(effects.describe(state)) or any(state.memory.values())
+
+
+def _tells_angle(state: State) -> bool:
+    """Whether a state tells anything of the upper word of a double in r0 and r1."""
+    return not state.range_of(state.regs[1]).is_top
 
 
 def _joined(left: dict[int, State | None], key: int, state: State | None) -> State | None:

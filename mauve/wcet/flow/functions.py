@@ -69,6 +69,7 @@ class Functions:
         self.excluded: dict[int, tuple[Exclusive, ...]] = {}
         self.curtailed = False
         self._incomplete: dict[int, bool] = {}
+        self._angles: dict[int, bool] = {}
 
     def settle(self, entry: int, deadline: float | None, from_state: bool = False) -> callgraph.Order:
         """Analyse everything that `entry` reaches and that is not known yet; the functions, callees first. Of a callee
@@ -235,8 +236,9 @@ class Functions:
             bare = self._bare(name, cfg, nest)
             return replace(bare, flow=replace(bare.flow, problems=(_contradicted(cfg, None),)))
         assumed = self.given.assumed.spoken_of
-        wanted = frozenset(k for k in callgraph.callees(cfg) if k in assumed or self.incomplete(k))
-        helpers = {k: helper for k in callgraph.callees(cfg) if (helper := self.helper(k)) is not None}
+        callees = callgraph.callees(cfg)
+        wanted = frozenset(k for k in callees if k in assumed or self.incomplete(k) or self.takes_angle(k))
+        helpers = {k: helper for k in callees if (helper := self.helper(k)) is not None}
         calls = ProgramCalls(self.summaries, wanted, helpers)
 
         rankings: dict[int, ContextRanking] = {}
@@ -375,6 +377,16 @@ class Functions:
         if known or found:
             self._incomplete[key] = found
         return found
+
+
+    def takes_angle(self, key: int) -> bool:
+        """Whether a function's time hangs on how large the angle is that it is called with, in r0 and r1."""
+        if key not in self._angles:
+            from mauve.wcet.flow.regular import reduces
+
+            reached = (key, *callgraph.callees(self.cfgs[key]))
+            self._angles[key] = any(reduces(self.cfgs[other]) for other in reached)
+        return self._angles[key]
 
 
 def without_calls(cfg: Cfg) -> Cfg:

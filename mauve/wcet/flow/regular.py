@@ -24,12 +24,14 @@ WORDS = "no subnormal operands"
 
 @record
 class Regular:
-    """A routine whose calls of helpers pass no subnormal operands, but for those at some offsets from its start."""
+    """A routine whose calls of helpers pass no subnormal operands, but for those at some offsets from its start; one
+    that `reduces` an angle takes twenty times as long for a large one."""
 
     names: tuple[str, ...]
     found: tuple[str, ...]
     but: frozenset[int]
     proof: str
+    reduces: bool = False
 
 
 def regular_calls(cfg: Cfg) -> frozenset[int]:
@@ -43,6 +45,12 @@ def regular_calls(cfg: Cfg) -> frozenset[int]:
         if edge.kind is EdgeKind.CALL
         and cfg.blocks[edge.source].instructions[-1].address - cfg.address not in known.but
     )
+
+
+def reduces(cfg: Cfg) -> bool:
+    """Whether a function reduces an angle, a double in r0 and r1, to what is left of a multiple of pi/2."""
+    known = regular_routines().get(fingerprint(cfg)) if cfg.name.startswith("_") else None
+    return known is not None and known.reduces
 
 
 def without_subnormals(flow: FunctionFlow, recognised: tuple[Recognised, ...]) -> FunctionFlow | None:
@@ -67,7 +75,11 @@ def regular_routines() -> Mapping[str, Regular]:
         return {}
     return {
         entry["fingerprint"]: Regular(
-            tuple(entry["names"]), tuple(entry["found"]), frozenset(entry["but"]), data["proofs"][entry["proof"]]
+            tuple(entry["names"]),
+            tuple(entry["found"]),
+            frozenset(entry["but"]),
+            data["proofs"][entry["proof"]],
+            entry["proof"] == "reduction",
         )
         for entry in data["routine"]
     }

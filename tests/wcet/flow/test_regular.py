@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from mauve.wcet.binary.elf import Binary, load
+from mauve.wcet.flow.facts import Argument, AssumeFact
 from mauve.wcet.flow.program import analyse_program
 from mauve.wcet.flow.regular import WORDS, regular_routines
 from mauve.wcet.flow.result import ProgramFlow
@@ -53,6 +54,19 @@ def test_a_subnormal_argument_is_normalised_once(image: str, cpu: str) -> None:
     for words, most in (((1, 0), 52), ((0, 0x0008_0000), 1), ((0, 0x0010_0000), 0), ((0, 0x3FF8_0000), 0), ((0, 0), 0)):
         run = emulator.call("logarithm", list(words))
         assert sum(run.counts.get(header, 0) for header in headers) == most
+
+
+def test_an_angle_of_known_size_is_not_reduced_as_a_large_one() -> None:
+    """The upper word of a double says how large it is: 0x40590000 is that of 100."""
+    binary = load(IMAGES / "angle-cortex-m3.elf")
+    assert isinstance(binary, Binary)
+    key = binary.function("angle").key  # type: ignore[union-attr]
+    reached = []
+    for high in (0x3FF00000, 0x40590000, 0x7FEFFFFF):
+        program = analyse_program(binary, key, facts=(AssumeFact(Argument("angle", 2), 0, high),))
+        assert not any(flow.problems for flow in program.functions.values())
+        reached.append("__kernel_rem_pio2" in {flow.cfg.name for flow in program.functions.values()})
+    assert reached == [False, False, True]
 
 
 def test_the_table_is_complete() -> None:
