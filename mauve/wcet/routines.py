@@ -75,9 +75,17 @@ def is_closed(name: str) -> bool:
     return _CLOSED.fullmatch(name) is not None
 
 
+def searches_heap(name: str) -> bool:
+    """Whether a function of this name is one of newlib's own that search the heap: no bound comes of following them."""
+    return name.startswith("_") and name in _HEAP.split()
+
+
 def not_followed(name: str, address: int) -> Problem:
-    """The problem that a closed routine is."""
-    message = f"{HEAD} `{name}` has no bound: it runs as a format, a text or a stream says, and calls through pointers"
+    """The problem that a routine is which is not followed."""
+    known = routine(name) if searches_heap(name) else None
+    streams = "it runs as a format, a text or a stream says, and calls through pointers"
+    reason = streams if known is None else known.reason
+    message = f"{HEAD} `{name}` has no bound: {reason}"
     return Problem(ProblemKind.LOOP, message, address, name)
 
 
@@ -149,4 +157,7 @@ def _call(program: ProgramFlow, path: tuple[str, ...], lines: Callable[[int], st
     return ""
 
 
-__all__ = ["Routine", "facts", "is_closed", "is_library", "is_told", "not_followed", "routine", "told_as_one"]
+__all__ = [
+    *("Routine", "facts", "is_closed", "is_library", "is_told", "not_followed", "routine", "searches_heap"),
+    "told_as_one",
+]

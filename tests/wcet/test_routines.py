@@ -10,7 +10,7 @@ from mauve.wcet.binary.loops import LoopNest
 from mauve.wcet.binary.microop import Call, Condition, Instruction, Kind, Traits
 from mauve.wcet.flow.result import FunctionFlow, ProgramFlow
 from mauve.wcet.result import Problem, ProblemKind
-from mauve.wcet.routines import facts, is_closed, is_library, is_told, not_followed, routine, told_as_one
+from mauve.wcet.routines import facts, is_closed, is_library, is_told, not_followed, routine, searches_heap, told_as_one
 
 CALLER, COPY = (0x8000, ""), (0x9000, "")
 
@@ -64,6 +64,8 @@ def test_what_formats_and_scans_is_not_followed_and_says_so_once() -> None:
         "_printf_float",
     ):
         assert is_closed(name), name
+    assert searches_heap("_malloc_r") and not searches_heap("malloc") and not searches_heap("_step")
+    assert "it searches the heap" in not_followed("_malloc_r", 0x8000).message
     for name in ("printf", "malloc", "_malloc_r", "strtol", "_step", "print_r", "qsort"):
         assert not is_closed(name), name
     problem = changed(not_followed("_vfprintf_r", 0x9100), call_path=("step", "printf", "_vfprintf_r"))

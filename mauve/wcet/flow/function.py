@@ -113,7 +113,8 @@ def analyse_function(
         return record
 
     loops = frozenset(range(len(order.nest.loops)))
-    nested = any(loop.parent is not None for loop in order.nest.loops)
+    known_whole = all(loop in given and given[loop].origin is Origin.LIBRARY for loop in loops)
+    nested = any(loop.parent is not None for loop in order.nest.loops) and not known_whole
     first = not records
     if first:
         records.append(execute(frozenset()))

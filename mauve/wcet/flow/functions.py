@@ -35,7 +35,7 @@ from mauve.wcet.flow.result import AddressRange, Exclusive, FunctionFlow, LoopBo
 from mauve.wcet.flow.state import ABSOLUTE, State, Symbols
 from mauve.wcet.flow.values import LoopValues
 from mauve.wcet.result import Origin, Problem, ProblemKind
-from mauve.wcet.routines import is_closed, not_followed
+from mauve.wcet.routines import is_closed, not_followed, searches_heap
 
 if TYPE_CHECKING:
     from mauve.wcet.flow.library import KnownFunction, Recognised
@@ -156,7 +156,7 @@ class Functions:
     def analyse(self, name: Name, state: State, thorough: bool, attempt: Attempt | None = None) -> Analysed:
         """A function entered in a state, the contexts of what it calls not followed."""
         cfg, nest = self.cfgs[name[0]], self.nest(name[0])
-        if self.is_closed(cfg):
+        if self.is_closed(cfg) or (searches_heap(cfg.name) and not self.given.inside_library):
             bare = self._bare(name, cfg, nest)
             return replace(bare, flow=replace(bare.flow, problems=(not_followed(cfg.name, cfg.address),)))
         sorts = self.sorts(name[0])
