@@ -43,7 +43,7 @@ States = list[State]
 Leaving = dict[int, States]
 """States by the index of the edge on which they leave a region."""
 
-SEARCHED = (0, 1, 2, 3, 2, 1)
+SEARCHED = (0, 1, 2, 3, 2, 1, 1, 0)
 """While the header of a loop is sought, the headers of loops at most so much deeper are sought anew each time, those
 even deeper are passed roughly: by how many loops lie inside each other in the loop, the last one for more."""
 MOST_ROUGH = 6

@@ -25,6 +25,9 @@ WIDTH = 8
 LIGHT = 1_500
 """Instructions of the first attempt to step through loops, before ranking arguments are sought."""
 
+DEEPEST = 8
+"""Loops inside a loop, one inside the other, from which on it is summarised and never stepped."""
+
 MOST_PASSES = 16
 """Passes over a large function, on average, whatever `Limits.most` says."""
 
@@ -112,14 +115,19 @@ def analyse_function(
             attempt.settled = bool(stepped) and not execution.cut_short
         return record
 
-    loops = frozenset(range(len(order.nest.loops)))
+    deep = _deep(order)
+    loops = frozenset(range(len(order.nest.loops))) - deep
+
+    def steppable() -> list[int]:
+        return [loop for loop in _missing(records, known) if loop not in deep]
+
     known_whole = all(loop in given and given[loop].origin is Origin.LIBRARY for loop in loops)
     nested = any(loop.parent is not None for loop in order.nest.loops) and not known_whole
     first = not records
     if first:
         records.append(execute(frozenset()))
     try:
-        if first and _missing(records, known):
+        if first and steppable():
             records.append(execute(loops, steps=LIGHT))
         for loop in _missing(records, known) if first else ():
             check(limits.deadline, order.cfg.blocks[order.nest.loops[loop].header].address, order.cfg.name)
@@ -128,16 +136,22 @@ def analyse_function(
                 attempt.settled = False
                 known[loop] = found[0]
                 bounds[loop] = LoopBound(found[0], Origin.ANALYSIS, found[1])
-        more = thorough and _missing(records, known)
-        if not attempt.settled and (more or (first and nested and _few(order, records, known, limits))):
+        more = thorough and steppable()
+        if not attempt.settled and (more or (first and nested and loops and _few(order, records, known, limits))):
             records.append(execute(loops - attempt.hopeless))
-        if thorough and _missing(records, known):
-            records.append(execute(_relatives(order, _missing(records, known)), WIDTH))
+        if thorough and (left := steppable()):
+            records.append(execute(_relatives(order, left) - deep, WIDTH))
     except GaveUp:
         pass
     result = _merge(order, records, bounds)
     result.attempt = attempt if result.unbounded and not thorough else None
     return result
+
+
+def _deep(order: Order) -> frozenset[int]:
+    """The loops of nests so deep that stepping through them comes to no end within any limits."""
+    outermost = [loop for loop in order.nest.loops if order.height[loop.id] >= DEEPEST]
+    return frozenset(loop.id for loop in order.nest.loops if any(loop.header in o.blocks for o in outermost))
 
 
 def _relatives(order: Order, loops: list[int]) -> frozenset[int]:

@@ -247,7 +247,8 @@ class Functions:
             values = LoopValues(record, loop.id, self.image)
             if id(record) not in rankings:
                 what_calls_do = self._effects(cfg, helpers)
-                rankings[id(record)] = ContextRanking(self.ranked, cfg, nest, values, what_calls_do)
+                deadline = self.limits.deadline
+                rankings[id(record)] = ContextRanking(self.ranked, cfg, nest, values, what_calls_do, deadline)
             return rankings[id(record)].bound(loop, values)
 
         stated = _smallest(self.stated[key].bounds, self._library(key, narrowed))

@@ -11,6 +11,7 @@ from dataclasses import dataclass, field
 
 from mauve.wcet.binary.graph import Cfg
 from mauve.wcet.binary.loops import Loop, LoopNest
+from mauve.wcet.clock import Deadline
 from mauve.wcet.flow.locations import CallEffects, Cell, EntryValues, Interval, Location, Region
 
 Answer = Interval | Region | int | None
@@ -107,13 +108,19 @@ class ContextRanking:
     """Ranking arguments for the loops of one function in one context; `common` gives the values of the function."""
 
     def __init__(
-        self, ranked: Ranked, cfg: Cfg, nest: LoopNest, common: EntryValues, effects: Mapping[int, CallEffects]
+        self,
+        ranked: Ranked,
+        cfg: Cfg,
+        nest: LoopNest,
+        common: EntryValues,
+        effects: Mapping[int, CallEffects],
+        deadline: Deadline = None,
     ) -> None:
         from mauve.wcet.flow.ranking import Ranking
 
         self._ranked, self._key, self._effects = ranked, cfg.key, effects
         self._common = Asked(common)
-        self._ranking = Ranking(cfg, nest, self._common, effects)
+        self._ranking = Ranking(cfg, nest, self._common, effects, deadline)
 
     def bound(self, loop: Loop, values: EntryValues) -> tuple[int, str] | None:
         """The best bound of a loop and the argument for it, or None; `values` are those at its header."""

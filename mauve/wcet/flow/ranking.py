@@ -12,6 +12,7 @@ from dataclasses import dataclass
 
 from mauve.wcet.binary.graph import Cfg
 from mauve.wcet.binary.loops import Loop, LoopNest
+from mauve.wcet.clock import Deadline
 from mauve.wcet.flow.locations import (
     ANY,
     Base,
@@ -80,15 +81,18 @@ class Ranking:
         nest: LoopNest,
         common: EntryValues | None = None,
         effects: Mapping[int, CallEffects] | None = None,
+        deadline: Deadline = None,
     ) -> None:
         self._irreducible = frozenset[int]().union(*nest.irreducible)
         self._in_order = all(block.id == index for index, block in enumerate(cfg.blocks))
         self._program = prepare(cfg, nest, common, effects, inductive)
+        self._program.deadline = deadline
         self._entries: dict[int, list[State]] | None = None
         self._summaries: dict[bool, Summaries] = {False: Summaries(), True: Summaries()}
 
     def bound(self, loop: Loop, values: EntryValues | None = None) -> RankBound | None:
-        """The best bound that some argument proves for a loop, or None; `values` are those at its header."""
+        """The best bound that some argument proves for a loop, or None; `values` are those at its header. Raises
+        OutOfTime: nothing may be asked again then."""
         if self._irreducible & loop.blocks or not self._in_order:
             return None
         program = self._program

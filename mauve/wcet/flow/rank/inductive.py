@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 from mauve.wcet.binary.loops import Loop
+from mauve.wcet.clock import check
 from mauve.wcet.flow.locations import ANY, HALF, WORD, Interval, Location
 from mauve.wcet.flow.rank.iterate import MOST_MEASURES, Engine
 from mauve.wcet.flow.rank.measures import contains, hull
@@ -14,15 +15,26 @@ from mauve.wcet.flow.rank.terms import Var, meet, signed
 
 _EXACT_ROUNDS = 4
 MOST_PASSES = 6
+DEEPEST = 6
+"""Loops inside each other whose intervals are sought: each level multiplies the search of those inside."""
 
 
 def inductive(program: Program, loop: Loop, entries: list[State]) -> Mapping[Location, Interval]:
-    """Intervals of variables at the header of `loop`, entered in `entries`. Uses no value analysis but this."""
+    """Intervals of variables at the header of `loop`, entered in `entries`; none in the deepest nests. Uses no value
+    analysis but this."""
+    if _deepest(program, loop) > DEEPEST:
+        return {}
+    check(program.deadline, program.cfg.blocks[loop.header].address, program.cfg.name)
     passes = summarise_loop(program, loop)
     problem = pose(program, passes, [state.copy() for state in entries])
     if not problem.passes or not problem.entries:
         return {}
     return inductive_of(problem)
+
+
+def _deepest(program: Program, loop: Loop) -> int:
+    """How many loops lie inside each other in the nest of a loop, as far as they hold it or lie in it."""
+    return max(other.depth for other in program.nest.loops if other.header in loop.blocks)
 
 
 def inductive_of(problem: Problem) -> Mapping[Location, Interval]:

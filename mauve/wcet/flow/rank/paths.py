@@ -31,6 +31,7 @@ from mauve.wcet.binary.microop import (
     StoreUnknown,
     SupervisorCall,
 )
+from mauve.wcet.clock import Deadline, check
 from mauve.wcet.flow.locations import (
     AAPCS,
     WORD,
@@ -126,6 +127,7 @@ class Program:
     """intervals that hold at a loop's header in every iteration, given the states in which it is entered"""
     fresh: count[int] = field(default_factory=count)
     summaries: Summaries = field(default_factory=Summaries)
+    deadline: Deadline = None
     coarse: bool = False
     """a conditional instruction that sets no flags does not part the paths"""
     joined: bool = False
@@ -237,6 +239,7 @@ def _walk(
         states = merged(program, pending.pop(block, []), program.live[block])
         if not states:
             continue
+        check(program.deadline, program.cfg.blocks[block].address, program.cfg.name)
         if block in loops and (block != start or headers is not None):
             if headers is not None:
                 headers[block] = [s.copy() for s in states]
