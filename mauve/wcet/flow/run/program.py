@@ -122,6 +122,8 @@ class Source:
                 raise Lost("a call goes to no code")
             self.cfgs |= self._functions.graphs_from(key)
         cfg = self.cfgs[key]
+        if not cfg.blocks:
+            raise Lost("a call goes to bytes that are no instruction")
         nest = loop_nest(cfg) if key in self._restricted else self._functions.nest(key)
         if nest.irreducible and key not in self._restricted:
             # Which of its entries such a region has in the run is known afterwards.
