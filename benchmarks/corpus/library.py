@@ -50,10 +50,10 @@ def build(compiler: str, core: str, out: Path) -> Path:
 def examine(image: Path, only: set[str], inputs: int, timeout: float) -> list[Row]:
     """The rows of all entries of an executable, in this process."""
     from manifest import Manifest, read_manifest
-    from one import analysed, count_processor_time, observed
+    from one import analysed, count_processor_time, observed, opened
 
     count_processor_time()
-    manifest, rows = read_manifest(image.parent / "library.c"), []
+    manifest, rows, several = read_manifest(image.parent / "library.c"), [], opened(image)
     _, compiler, core = image.name.removesuffix(".elf").split(".")
     for name in bodies():
         if only and name not in only:
@@ -61,7 +61,7 @@ def examine(image: Path, only: set[str], inputs: int, timeout: float) -> list[Ro
         entry = Manifest("library", f"call_{name}", manifest.inputs)
         row: Row = {"function": name, "compiler": compiler, "core": core, "traceback": ""}
         try:
-            figures, *rest = analysed(image, entry, CORES[core].board, "nofact", timeout)
+            figures, *rest = analysed(image, entry, CORES[core].board, "nofact", timeout, several)
             row |= figures
             binary, program, bounds, lines = rest
             row |= observed(image, entry, CORES[core].board, program, bounds, "nofact", inputs, 5.0, binary, lines)

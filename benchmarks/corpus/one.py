@@ -15,6 +15,7 @@ import resource
 import sys
 import time
 import traceback
+from dataclasses import dataclass
 from pathlib import Path
 from random import Random
 from typing import TYPE_CHECKING, Any
@@ -29,6 +30,7 @@ from manifest import Manifest, content, read_manifest  # noqa: E402
 if TYPE_CHECKING:
     from mauve.wcet.binary.elf import Binary
     from mauve.wcet.binary.lines import LineTable
+    from mauve.wcet.flow.program import Programs
     from mauve.wcet.flow.result import ContextKey, ProgramFlow
     from mauve.wcet.ipet.bottom_up import FunctionBound
 
@@ -44,8 +46,29 @@ def count_processor_time() -> None:
     os.environ["MAUVEC_CACHE"] = ""
 
 
+@dataclass(frozen=True)
+class Opened:
+    """An image of which several entries are analysed: without facts, and without the linked data."""
+
+    binary: Binary
+    lines: LineTable
+    programs: Programs
+
+
+def opened(path: Path) -> Opened:
+    """An image, read."""
+    from mauve.wcet.binary.elf import ElfProblem, load
+    from mauve.wcet.binary.lines import load_lines
+    from mauve.wcet.flow.program import Programs
+
+    binary = load(path)
+    assert not isinstance(binary, ElfProblem), binary
+    lines = load_lines(binary)
+    return Opened(binary, lines, Programs(binary, lines=lines))
+
+
 def analysed(
-    path: Path, manifest: Manifest, core_name: str, mode: str, timeout: float
+    path: Path, manifest: Manifest, core_name: str, mode: str, timeout: float, several: Opened | None = None
 ) -> tuple[dict[str, Any], Binary, ProgramFlow, dict[ContextKey, FunctionBound], LineTable]:
     """The figures of the analysis, as `mauvec wcet` makes it, and what it rests on."""
     from mauve.wcet.assemble import assemble
@@ -59,13 +82,16 @@ def analysed(
 
     started = time.perf_counter()
     board = Board("corpus", core_name, 100_000_000, (Memory("all", 0, 1 << 32, 0, 0),), ())
-    core, binary = load_core(core_name), load(path)
+    core, binary = load_core(core_name), load(path) if several is None else several.binary
     assert core is not None and not isinstance(binary, ElfProblem), binary
-    lines = load_lines(binary)
+    lines = load_lines(binary) if several is None else several.lines
     facts = manifest.facts() if mode == "inputs" else ()
     symbol = binary.function(manifest.entry)
     assert not isinstance(symbol, ElfProblem), symbol.message
-    program = Programs(binary, facts, initial_data=mode != "nofact", lines=lines).program(symbol.key, timeout)
+    assert several is None or mode == "nofact"
+    programs = several.programs if several is not None else None
+    programs = programs or Programs(binary, facts, initial_data=mode != "nofact", lines=lines)
+    program = programs.program(symbol.key, timeout)
     bounds = bound_program(program, core, board)
     result = assemble(manifest.entry, program, bounds, core, board, board_problems(board, core), lines.source)
     used = resource.getrusage(resource.RUSAGE_SELF)

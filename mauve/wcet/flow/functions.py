@@ -190,7 +190,7 @@ class Functions:
         if entered is None:
             bare = self._bare(name, cfg, nest)
             return replace(bare, flow=replace(bare.flow, problems=(_contradicted(cfg, None),)))
-        arguments = Arguments(*(entered.range_of(entered.regs[register]) for register in (1, 2, 3)))
+        arguments = Arguments(*(entered.range_of(entered.regs[register]) for register in (1, 2, 3, 0)))
         compares = comparisons(arguments, lambda at: self.binary.read_code(at & ~1, 2) is not None)
         if any(other in self.comparing for other in compares):
             compares = ()

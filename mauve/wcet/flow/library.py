@@ -88,13 +88,16 @@ def _read_sum(text: str) -> tuple[Term, ...]:
 class KnownLoop:
     """A loop of a known routine: `offset` of its header from the function's start, executions of the header per call:
     `total`. `each`: those per entry of the loop, where it is known to be entered more often than once with fewer each
-    time. `subnormal`: it is entered for subnormal operands only."""
+    time. `subnormal`: it is entered for subnormal operands only. `exchanges`: it
+    exchanges elements that are sorted, 1: by bytes, so only where their place or size is no multiple of 4; 4: one by
+    one by words, so only where their size is not 4."""
 
     offset: int
     total: Formula
     proof: str
     each: Formula | None = None
     subnormal: bool = False
+    exchanges: int = 0
 
 
 @dataclass(frozen=True, slots=True)
@@ -263,4 +266,5 @@ def _known_loop(entry: Mapping[str, Any], proofs: Mapping[str, str]) -> KnownLoo
     """A loop of the table: its bound is a `total`, or a formula of arguments."""
     each = read_formula(entry["each"]) if "each" in entry else None
     total = read_formula(entry["bound"] if "bound" in entry else entry["total"])
-    return KnownLoop(entry["offset"], total, proofs[entry["proof"]], each, entry["proof"] in SUBNORMAL)
+    subnormal = entry["proof"] in SUBNORMAL
+    return KnownLoop(entry["offset"], total, proofs[entry["proof"]], each, subnormal, entry.get("exchanges", 0))

@@ -12,7 +12,7 @@ from dataclasses import replace
 from mauve.records import record
 from mauve.wcet.binary.graph import Cfg, Edge, UnresolvedKind
 from mauve.wcet.binary.loops import LoopNest
-from mauve.wcet.flow.domain import Range
+from mauve.wcet.flow.domain import TOP, Range
 from mauve.wcet.flow.library import KnownFunction, fingerprint, known_bound, known_functions
 from mauve.wcet.flow.result import FunctionFlow, LoopBound
 from mauve.wcet.result import Origin, Problem, ProblemKind
@@ -24,11 +24,18 @@ MOST_COMPARISONS = 16
 
 @record
 class Arguments:
-    """What is known of a call: the number of elements, their size, the address of the function that compares."""
+    """What is known of a call: the number of elements, their size, the address of the function that compares, and that
+    of the elements."""
 
     elements: Range
     size: Range
     compares: Range
+    base: Range = TOP
+
+    def exchanged(self, unit: int) -> bool:
+        """Whether elements may be exchanged in a loop that takes bytes (`unit` 1), words (4: one element at a time)."""
+        words = _divisible(self.base) and _divisible(self.size)
+        return not words if unit == 1 else not (words and self.size.n == 0 and self.size.low == 4)
 
 
 @record
@@ -80,8 +87,25 @@ def sorted_flow(
             assert found is not None
             bounds[loop.id] = LoopBound(found.bound, Origin.LIBRARY, found.method, found.total)
     problems = () if problem is None else (problem,)
+    again |= _not_entered(known, cfg, nest, arguments)
     flow = FunctionFlow(graph, nest, bounds, again, {}, {}, problems, known.stack)
     return Sorted(flow, called if problem is None else {i: c for i, c in called.items() if cfg.edges[i].callees})
+
+
+def _divisible(known: Range) -> bool:
+    """Whether all members are multiples of 4."""
+    return known.low % 4 == 0 and known.step * (known.n > 0) % 4 == 0
+
+
+def _not_entered(known: KnownFunction, cfg: Cfg, nest: LoopNest, arguments: Arguments) -> frozenset[int]:
+    """The edges into loops that exchange elements in another way than their size and place ask for."""
+    units = {loop.offset: loop.exchanges for loop in known.loops if loop.exchanges}
+    closed: set[int] = set()
+    for loop in nest.loops:
+        unit = units.get(cfg.blocks[loop.header].address - cfg.address)
+        if unit is not None and not arguments.exchanged(unit):
+            closed |= {i for i, edge in enumerate(cfg.edges) if edge.target == loop.header} - set(loop.back_edges)
+    return frozenset(closed)
 
 
 def _last(cfg: Cfg, edge: Edge) -> int:

@@ -54,6 +54,9 @@ PROOFS = {
         "m * r2 / 2 bytes, over all phases half the sum of their sizes, and one more pass for each phase."
     ),
 }
+EXCHANGES = {"r2 / 1 + 1": 1, "r1 * r2 / 2 + r2 + 1": 1, "r2 / 4 + 1": 4}
+"""How a loop exchanges elements, by its passes: SWAPINIT of qsort.c takes words where address and size are multiples of
+the size of a word, else bytes; an element of one word is exchanged without a loop."""
 PHASES, SUM, ALL = "r1 + -3", "r1 * r1 / 2 + 3 * r1 / 2 + -26", "r1 * r1 / 2 + r1 / 2 + 2"
 
 
@@ -205,6 +208,10 @@ def survey(found: str, cpu: str, image: Path, table: dict[str, dict], runs: int)
                 size,
                 mode,
             )
+            unit = EXCHANGES.get(where[header][1], 0)
+            words = start % 4 == 0 and size % 4 == 0
+            if (unit == 1 and words) or (unit == 4 and words and size == 4):
+                assert not run.counts.get(header, 0), (found, hex(header), unit, start, size)
             seen[header] = max(seen[header], run.counts.get(header, 0) / most)
     print(found, " ".join(f"{header - cfg.address:#x}:{ratio:.2f}" for header, ratio in seen.items()), flush=True)
     entry = table.setdefault(fingerprint(cfg), {"found": [], "loops": where, "start": cfg.address, "stack": frame(cfg)})
@@ -233,7 +240,8 @@ def write(path: Path, table: dict[str, dict]) -> None:
         lines += ["sorts = true", f"most = {MOST}", f"stack = {entry['stack']}", "loops = ["]
         for header, (total, each, proof) in sorted(entry["loops"].items()):
             offset = header - entry["start"]
-            lines.append(f'  {{ offset = {offset}, bound = "{total}", each = "{each}", proof = "{proof}" }},')
+            more = f", exchanges = {EXCHANGES[each]}" if each in EXCHANGES else ""
+            lines.append(f'  {{ offset = {offset}, bound = "{total}", each = "{each}", proof = "{proof}"{more} }},')
         lines.append("]")
     path.write_text("\n".join(lines) + "\n", encoding="utf-8")
 

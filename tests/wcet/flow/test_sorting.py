@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from functools import cache
 
 import pytest
@@ -113,3 +114,34 @@ def test_only_the_table_knows_what_sorts() -> None:
     known = Arguments(constant(1), constant(1), constant(0x300))
     assert comparisons(known, lambda key: key == 0x300) == (0x300,)
     assert comparisons(known, lambda key: False) == ()
+
+
+@pytest.mark.parametrize(
+    ("base", "size", "by_bytes", "by_words"),
+    [
+        (constant(0x2000), constant(4), False, False),
+        (constant(0x2000), constant(12), False, True),
+        (Range(0x2000, 8, 5), Range(4, 4, 2), False, True),
+        (constant(0x2002), constant(4), True, True),
+        (constant(0x2000), constant(6), True, True),
+        (ANY, constant(4), True, True),
+    ],
+)
+def test_elements_are_exchanged_as_their_place_and_size_ask_for(
+    base: Range, size: Range, by_bytes: bool, by_words: bool
+) -> None:
+    arguments = Arguments(constant(5), size, constant(0x200), base)
+    assert (arguments.exchanged(1), arguments.exchanged(4)) == (by_bytes, by_words)
+
+
+def test_loops_of_other_exchanges_are_not_entered() -> None:
+    known, cfg = routine()
+    loops = tuple(replace(loop, exchanges=unit) for loop, unit in zip(known.loops, (0, 1), strict=True))
+    nest = loop_nest(cfg)
+    header = {cfg.blocks[loop.header].address - cfg.address: loop.header for loop in nest.loops}
+    for base, expected in ((constant(0x2000), True), (constant(0x2001), False)):
+        arguments = Arguments(constant(5), constant(4), constant(0x200), base)
+        found = sorted_flow(replace(known, loops=loops), cfg, nest, arguments, (0x200,)).flow
+        entering = {i for i, edge in enumerate(cfg.edges) if edge.target == header[4]}
+        back = {i for loop in nest.loops if loop.header == header[4] for i in loop.back_edges}
+        assert entering - back and (entering - back <= found.infeasible) is expected
