@@ -182,9 +182,14 @@ def fingerprint(cfg: Cfg) -> str:
     return _fingerprint(cfg, cfg.address, _parts(cfg)[0][1])
 
 
+MOST_PARTS = 32
+"""Subroutines that are told apart in one graph; the routines of the table have a few each."""
+
+
 def _parts(cfg: Cfg) -> list[tuple[int, frozenset[int]]]:
     """The function and the subroutines that were put into its graph, which the table knows apart: the first block and
-    all blocks of each. A call that is no call edge leads into such a subroutine, which comes back behind it."""
+    all blocks of each. A call that is no call edge leads into such a subroutine, which comes back behind it (or it is a
+    far jump, and what it leads to is no routine of the table)."""
     leaving: dict[int, list[Edge]] = {}
     for edge in cfg.edges:
         leaving.setdefault(edge.source, []).append(edge)
@@ -199,7 +204,8 @@ def _parts(cfg: Cfg) -> list[tuple[int, frozenset[int]]]:
             for edge in leaving.get(block, ()):
                 inside = isinstance(flow, Call) and edge.kind is EdgeKind.TAKEN
                 if inside:
-                    starts.append(edge.target)
+                    if edge.target not in starts and len(starts) < MOST_PARTS:
+                        starts.append(edge.target)
                     following += [b.id for b in cfg.blocks if b.address == cfg.blocks[block].instructions[-1].end][:1]
                 elif edge.target != EXIT and not (
                     edge.kind is EdgeKind.SWITCH and isinstance(flow, IndirectJump) and flow.returns

@@ -75,3 +75,19 @@ def test_a_local_subroutine_stays_a_call() -> None:
     (call,) = [edge for edge in cfg.edges if edge.kind is EdgeKind.CALL]
     assert call.callees == (START + 12 | 1,) and cfg.blocks[call.target].address == START + 8
     assert not analyse_program(binary, START | 1).problems
+
+
+def test_a_loop_closed_by_a_far_jump_is_a_loop(tmp_path: Path) -> None:
+    """Taken for a subroutine that the table of the library may know, its parts were looked for without end."""
+    subtract, leave = 0x3801, 0xD001  # subs r0, #1; beq behind the bl
+    path = tmp_path / "far.elf"
+    path.write_bytes(image([PUSH_R4_LR, ZERO, COUNT, subtract, leave, *bl(5, 2), RESULT, POP_R4_PC]))
+    binary, cfg = graph(path.read_bytes())
+    program = analyse_program(binary, START | 1)
+    ((_, flow),) = program.functions.items()
+    assert len(flow.nest.loops) == 1 and not cfg.unresolved
+    replay, emulator = Replay(program, ()), Emulator(path, "cortex-m0")
+    run = record(emulator, "f", [7])
+    assert run.addresses.count(START + 4) == 7
+    replay.walk(run)
+    assert not replay.wrong
