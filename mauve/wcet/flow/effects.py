@@ -247,6 +247,8 @@ def enter(caller: State) -> State:
         region, low, high = caller.place(value)
         if region is not None and region != ABSOLUTE and low == high:
             _copy_cells(caller, region, low, state, entry_symbol(register))
+            if caller.range_of(value).span >= SIGN:
+                continue
         known = caller.range_of(value)
         if known.n == 0:
             state.regs[register] = known.low
