@@ -17,9 +17,16 @@ from mauve.wcet.flow import domain
 from mauve.wcet.flow.run.layers import branch, release
 from mauve.wcet.flow.run.memory import Given, Lost, Memory
 from mauve.wcet.flow.run.narrow import within
-from mauve.wcet.flow.run.paths import Counters, Meeting, includes, widen
+from mauve.wcet.flow.run.compared import Compared, Register
+from mauve.wcet.flow.run.compile import RELATED
+from mauve.wcet.flow.run.flags import CS, EQ, GE, GT, HI, Flags, Source
+from mauve.wcet.flow.run.machine import Machine
+from mauve.wcet.flow.run.narrow import told
+from mauve.wcet.flow.run.paths import Counters, Meeting
 from mauve.wcet.flow.run.paths import Path as Way
-from mauve.wcet.flow.run.words import MASK, Low, Some, Stack, Stacks, Unknown, Word, made
+from mauve.wcet.flow.run.related import base_of, told_apart
+from mauve.wcet.flow.run.repeats import includes, keep, widen
+from mauve.wcet.flow.run.words import MASK, Low, Ranged, Some, Stack, Stacks, Unknown, Word, made
 
 WHOLE = Path(__file__).parent / "whole"
 START, SIZE, BYTES = 0x2000_0000, 0x60, 0x5E
@@ -79,10 +86,24 @@ def holds(word: Any, number: int) -> bool:
         case Stack():
             return (TOP_OF_STACK + word.offset) & MASK == number
         case Stacks():
-            return (number - TOP_OF_STACK) & MASK in word.offsets
+            return (number - TOP_OF_STACK) & MASK in word.range
         case Low():
             return word.bits == number & 7
     return isinstance(word, Unknown)
+
+
+COMPARED = Compared(
+    tuple((Register(i), Register(j)) for i in range(REGISTERS) for j in range(i)),
+    tuple(Register(i) for i in range(REGISTERS)),
+    {Register(1): frozenset({7, 8, 9})},
+)
+
+
+def compares(code: int, a: int, b: int) -> bool:
+    """Whether a condition (its even encoding) holds after a comparison of two numbers."""
+    if code in (GE, GT):
+        a, b = domain.signed(a), domain.signed(b)
+    return a == b if code == EQ else a >= b if code in (CS, GE) else a > b
 
 
 class Trial:
@@ -96,6 +117,7 @@ class Trial:
         self.site = self.memory.site()
         start = [self.execution(content) for _ in range(4)]
         registers = [*[0] * REGISTERS, *[0] * (SLOTS - REGISTERS)]
+        registers[RELATED] = {}
         self.paths = [Followed(Way(0, registers, self.memory.layer, Counters([], [], [], {})), start)]
 
     def execution(self, content: bytes) -> Execution:
@@ -153,8 +175,12 @@ class Trial:
             self.memory.enter(path.way.layer)
             path.way.layer = self.memory.layer
             pick = self.random.random()
-            if pick < 0.3:
+            if pick < 0.2:
                 self.load(path)
+            elif pick < 0.26:
+                self.add(path)
+            elif pick < 0.34:
+                self.tell(path)
             elif pick < 0.7:
                 self.store(path)
             elif pick < 0.74:
@@ -212,6 +238,42 @@ class Trial:
                         path.way.registers[number] = narrower
                 return
 
+    def add(self, path: Followed) -> None:
+        """A register becomes the sum of two, or of one and a number."""
+        registers, random = path.way.registers, self.random
+        target, first, second = (random.randrange(REGISTERS) for _ in range(3))
+        if random.random() < 0.6:
+            number = random.choice([1, 2, 4, MASK])
+            registers[target] = (registers[first] + number) & MASK
+            for one in path.executions:
+                one.registers[target] = (one.registers[first] + number) & MASK
+        elif type(registers[first]) in (int, Some) and type(registers[second]) in (int, Some):
+            registers[target] = (registers[first] + registers[second]) & MASK
+            for one in path.executions:
+                one.registers[target] = (one.registers[first] + one.registers[second]) & MASK
+        self.compare(path)
+
+    def tell(self, path: Followed) -> None:
+        """A branch that compares two registers; only executions that agree with it go on."""
+        registers, random = path.way.registers, self.random
+        i, j = random.sample(range(REGISTERS), 2)
+        a, b = registers[i], registers[j]
+        if not isinstance(a, Ranged) and not isinstance(b, Ranged):
+            return
+        code, is_true = random.choice([EQ, CS, HI, GE, GT]), random.random() < 0.5
+        kept = [one for one in path.executions if compares(code, one.registers[i], one.registers[j]) == is_true]
+        if not kept:
+            return
+        path.executions = kept
+        flags = Flags(Source.DIFFERENCE, a, b)
+        alone, apart = told(flags, code, is_true), told_apart(flags, code, is_true, registers[RELATED])
+        assert alone is not None and apart is not None
+        machine = object.__new__(Machine)
+        machine.registers, machine.memory = registers, self.memory
+        machine._narrow(alone + apart[0])
+        registers[RELATED] = apart[1]
+        self.compare(path)
+
     def forget(self, path: Followed) -> None:
         """A store that may go anywhere but to the stack."""
         self.memory.store(made(domain.TOP), 5, self.site)
@@ -230,7 +292,7 @@ class Trial:
         first, second = self.random.sample(self.paths, 2)
         self.paths.remove(first)
         self.paths.remove(second)
-        met = Meeting(self.memory).join(first.way, second.way)
+        met = Meeting(self.memory).join(first.way, second.way, COMPARED.pairs)
         both = first.executions + second.executions
         self.paths.append(Followed(met, self.random.sample(both, min(len(both), 6))))
         self.memory.enter(met.layer)
@@ -239,19 +301,20 @@ class Trial:
 
     def iterate(self, path: Followed) -> None:
         """Stores of one more iteration of a loop; the memory is compared with the earlier one's and widened."""
-        before = Way(0, path.way.registers[:], path.way.layer, path.way.counters)
+        before = keep(self.memory, path.way, COMPARED.places)
         early = [one.copy() for one in path.executions]
-        self.memory.enter(branch(before.layer))
+        self.memory.enter(branch(before.path.layer))
         path.way.layer = self.memory.layer
-        for _ in range(self.random.randint(0, 2)):
-            self.store(path)
+        for _ in range(self.random.randint(0, 3)):
+            self.random.choice([self.store, self.add, self.tell])(path)
         if includes(self.memory, before, path.way):
-            self.check(Followed(before, path.executions))
-        path.way = widen(self.memory, before, path.way)
-        release(before.layer)
+            self.check(Followed(before.path, path.executions))
+        path.way = widen(self.memory, before, path.way, COMPARED, ())
+        release(before.path.layer)
         self.memory.enter(path.way.layer)
         path.way.layer = self.memory.layer
         path.executions = (path.executions + early)[:6]
+        self.compare(path)
 
     # ------------------------------------------------------------------------------------------------ checks
     def compare(self, path: Followed) -> None:
@@ -262,8 +325,16 @@ class Trial:
                 assert holds(word, number)
             for i, word in enumerate(registers):
                 for j, other in enumerate(registers):
-                    if type(word) is Some and type(other) is Some and word.base is other.base:
+                    if type(word) is type(other) and isinstance(word, Ranged) and word.base is other.base:
                         assert (word.offset - other.offset - one.registers[i] + one.registers[j]) & MASK == 0
+                    self.compare_difference(path, one, i, j)
+
+    def compare_difference(self, path: Followed, one: Execution, i: int, j: int) -> None:
+        """What a path knows of the difference of two registers is so in an execution."""
+        (first, moved), (second, shifted) = base_of(path.way.registers[i]), base_of(path.way.registers[j])
+        found = path.way.registers[RELATED].get((id(first), id(second)))
+        if found is not None and type(path.way.registers[i]) is type(path.way.registers[j]):
+            assert (one.registers[i] - moved - one.registers[j] + shifted) & MASK in found[2]
 
     def check(self, path: Followed) -> None:
         """All that can be read."""
@@ -293,7 +364,7 @@ def start() -> Memory:
 def parted(memory: Memory) -> tuple[Way, Way]:
     """Two paths from here."""
     layer = memory.layer
-    ways = [Way(0, [0] * SLOTS, branch(layer), Counters([], [], [], {})) for _ in range(2)]
+    ways = [Way(0, [*[0] * RELATED, {}, *[0] * (SLOTS - 16)], branch(layer), Counters([], [], [], {})) for _ in "ab"]
     release(layer)
     return ways[0], ways[1]
 
@@ -317,7 +388,7 @@ def test_a_word_of_small_numbers_does_not_cover_any_four_bytes() -> None:
     memory.enter(after.layer)
     memory.store_byte(START + 1, Some(domain.BYTE), site)
     after.layer = memory.layer
-    assert not includes(memory, before, after)
+    assert not includes(memory, keep(memory, before, ()), after)
     memory.enter(before.layer)
     memory.store_half(START + 8, Some(domain.between(-3, 300)), site)
     before.layer = memory.layer
@@ -325,10 +396,10 @@ def test_a_word_of_small_numbers_does_not_cover_any_four_bytes() -> None:
     memory.store(START, Some(domain.between(0, 36)), site)
     memory.store_half(START + 8, Some(domain.between(0, 0xFFFF)), site)
     after.layer = memory.layer
-    assert not includes(memory, before, after)
+    assert not includes(memory, keep(memory, before, ()), after)
     memory.store_half(START + 8, Some(domain.between(0xFFFF, 0x1_0005)), site)  # -1 to 5
     after.layer = memory.layer
-    assert includes(memory, before, after)
+    assert includes(memory, keep(memory, before, ()), after)
 
 
 def test_words_of_one_path_meet_bytes_of_the_other() -> None:

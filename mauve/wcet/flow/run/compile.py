@@ -51,10 +51,11 @@ from mauve.wcet.flow.run.flag_use import (
 from mauve.wcet.flow.run.float_text import float_line, has_slot, media_line, written
 from mauve.wcet.flow.run.memory import Lost, Memory
 
-N, Z, C, V, TARGET, DEPTH, ASKED, ASSUMED = 16, 17, 18, 19, 20, 21, 22, 23
+RELATED, N, Z, C, V, TARGET, DEPTH, ASKED, ASSUMED = 15, 16, 17, 18, 19, 20, 21, 22, 23
 """Slots behind the core registers; DEPTH holds the least offset of sp that was seen in the current function, ASKED what
 an undecided condition asked: flags (or None), its even encoding, whether it is negated, and the number of the
-instruction where it is not the block's last. ASSUMED maps such numbers to what the conditions are taken to say."""
+instruction where it is not the block's last. ASSUMED maps such numbers to what the conditions are taken to say. RELATED
+holds what is known of differences of words (pc itself is a constant wherever it is read)."""
 DYNAMIC, NOWHERE = -1, -2
 
 Run = Callable[[list[Any]], int]

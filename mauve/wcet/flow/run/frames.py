@@ -9,10 +9,13 @@ from mauve.wcet.binary.graph import EXIT, Cfg, EdgeKind
 from mauve.wcet.binary.loops import LoopNest
 from mauve.wcet.flow.locations import Helper
 from mauve.wcet.flow.order import FUNCTION, Order
+from mauve.wcet.flow.run.compared import Compared, compared_in
 from mauve.wcet.flow.run.compile import Compiled, Sites, compile_function
+from mauve.wcet.flow.run.live import dead_registers
 from mauve.wcet.flow.run.memory import Lost
 from mauve.wcet.flow.run.paths import Counters, Path
 from mauve.wcet.flow.run.remembered import Call
+from mauve.wcet.flow.run.repeats import Kept
 
 Place = tuple[int, ...]
 """Where a path is: per loop around it its place in the region around and the iteration, then the block's place."""
@@ -40,7 +43,7 @@ class Function:
     """A function made ready. `plain[edge]` is the target of an edge that only leads from block to block, None for one
     that counts for loops, calls or leaves; `starts` and `repeats` are the loops that an edge enters and repeats;
     `around[block]` the loops around a block with their places, and its own place; `exits[block]` those that are left
-    from it."""
+    from it; `compared` is what it compares, `dead[block]` the registers that nothing reads from a block on."""
 
     key: int
     cfg: Cfg
@@ -55,6 +58,8 @@ class Function:
     around: list[tuple[tuple[tuple[int, int], ...], int]]
     headers: dict[int, int]
     exits: dict[int, list[int]]
+    compared: Compared
+    dead: list[tuple[int, ...]]
     closed: bool
     helper: Helper | None
     calls: list[Call] = field(default_factory=list)
@@ -83,7 +88,7 @@ class Frame:
     places: list[Place] = field(default_factory=list)
     ended: Counters | None = None
     open: dict[int, int] = field(default_factory=dict)
-    kept: dict[int, Path] = field(default_factory=dict)
+    kept: dict[int, Kept] = field(default_factory=dict)
     endless: set[int] = field(default_factory=set)
     proven: dict[int, int] = field(default_factory=dict)
     loose: set[int] = field(default_factory=set)
@@ -127,7 +132,7 @@ def prepare(key: int, source: Any, sites: Sites) -> Function:
             exits.setdefault(block, []).append(loop.id)
     function = Function(
         *(key, cfg, nest, order, code, sizes, plain, starts, repeats, group, around, headers, exits),
-        *(source.closed(key), source.helper(key)),
+        *(compared_in(cfg), dead_registers(cfg), source.closed(key), source.helper(key)),
     )
     function.limits |= source.known(key)
     return function

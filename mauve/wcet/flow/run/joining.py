@@ -10,7 +10,7 @@ from mauve.wcet.flow.domain import TOP, Range
 from mauve.wcet.flow.run.cells import Shared, byte_of, half_in, made_of, mates_at, parts_of, together, values_of
 from mauve.wcet.flow.run.layers import Cell, Half, Layer, Part, Value, common, forgotten, release, written
 from mauve.wcet.flow.run.memory import DATA_END, Memory
-from mauve.wcet.flow.run.words import WILD, Some, Word, covers, merge, range_of, widened
+from mauve.wcet.flow.run.words import WILD, Ranged, Some, Word, covers, merge, range_of
 
 Join = Callable[[Word, Word], Word]
 """One word for two: what was one word on both paths is one word afterwards."""
@@ -66,7 +66,7 @@ class Cells:
             return a
         if not isinstance(a, Range) and not isinstance(b, Range):
             found = self._word(a, b)
-            if type(found) is Some and found.home is None:
+            if isinstance(found, Ranged) and found.home is None:
                 found.home = home
             return found
         known = self._made.get((id(a), id(b)))
@@ -89,7 +89,7 @@ def join_layers(memory: Memory, a: Layer, b: Layer, word: Join) -> Layer:
     base, cells = common(a, b), Cells(word, memory.shared)
     made = Layer(base)
     found = made.cells
-    for key, first, second in _pairs(memory, a, b, base):
+    for key, first, second in pairs_since(memory, a, b, base):
         found[key] = first if first is second else cells.join(key, first, second)
     for side in (a, b):
         forgets, wild = forgotten(side, base)
@@ -99,7 +99,7 @@ def join_layers(memory: Memory, a: Layer, b: Layer, word: Join) -> Layer:
     return made
 
 
-def _pairs(memory: Memory, a: Layer, b: Layer, base: Layer) -> Iterator[tuple[int, Cell, Cell]]:
+def pairs_since(memory: Memory, a: Layer, b: Layer, base: Layer) -> Iterator[tuple[int, Cell, Cell]]:
     """The cells that were written since two paths parted, as they are on both."""
     mine, other = written(a, base, DATA_END), written(b, base, DATA_END)
     if mine is other:
@@ -117,10 +117,11 @@ def includes(memory: Memory, wide: Layer, layer: Layer) -> bool:
     base = common(wide, layer)
     if forgotten(layer, base)[0]:
         return False
-    return all(_covers(first, second) for _, first, second in _pairs(memory, wide, layer, base))
+    return all(covers_cell(first, second) for _, first, second in pairs_since(memory, wide, layer, base))
 
 
-def _covers(wide: Cell, cell: Cell) -> bool:
+def covers_cell(wide: Cell, cell: Cell) -> bool:
+    """Whether a cell covers another one."""
     if wide is cell:
         return True
     if not isinstance(wide, list):
@@ -156,11 +157,12 @@ def _word(cell: Value) -> Word:
     return made_of(cell) if isinstance(cell, Range) else cell
 
 
-def widen_layer(memory: Memory, before: Layer, layer: Layer) -> Layer:
-    """A layer above the second, which ends, that covers both, such that doing this again and again comes to an end."""
+def widen_layer(memory: Memory, before: Layer, layer: Layer, widened: Join) -> Layer:
+    """A layer above the second, which ends, that covers both, such that doing this again and again comes to an end if
+    that is so of `widened`."""
     base, made = common(before, layer), Layer(layer)
     release(layer)
-    for key, a, b in _pairs(memory, before, layer, base):
+    for key, a, b in pairs_since(memory, before, layer, base):
         if a is b:
             continue
         if not isinstance(a, list) and not isinstance(b, list):

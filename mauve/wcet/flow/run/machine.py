@@ -16,8 +16,9 @@ from typing import Any
 from mauve.wcet.binary.graph import EXIT, EdgeKind
 from mauve.wcet.binary.microop import CompareBranch, IndirectCall, IndirectJump, Stop
 from mauve.wcet.flow import domain
+from mauve.wcet.flow.domain import Range
 from mauve.wcet.flow.run.behaviour import Behaviours
-from mauve.wcet.flow.run.compile import ASKED, ASSUMED, DEPTH, DYNAMIC, TARGET, Sites
+from mauve.wcet.flow.run.compile import ASKED, ASSUMED, DEPTH, DYNAMIC, RELATED, TARGET, Sites
 from mauve.wcet.flow.run.flags import Flags
 from mauve.wcet.flow.run.float_text import FLOAT_MODE, SLOTS
 from mauve.wcet.flow.run.frames import (
@@ -33,11 +34,14 @@ from mauve.wcet.flow.run.frames import (
     prepare,
 )
 from mauve.wcet.flow.run.layers import Layer, branch, release
+from mauve.wcet.flow.run.measure import iterations
 from mauve.wcet.flow.run.memory import Lost, Memory
 from mauve.wcet.flow.run.narrow import Told, narrower, told, within
-from mauve.wcet.flow.run.paths import Counters, Meeting, Path, includes, widen
+from mauve.wcet.flow.run.paths import Counters, Meeting, Path, Starts
+from mauve.wcet.flow.run.related import told_apart
 from mauve.wcet.flow.run.remembered import ARGUMENTS, MOST_APART, RESULTS, Call, computed, result_of
-from mauve.wcet.flow.run.words import UNKNOWN, Some, Stack, Undecided, Word, fresh, is_wild, made
+from mauve.wcet.flow.run.repeats import Kept, changed, includes, is_less, keep, widen
+from mauve.wcet.flow.run.words import UNKNOWN, WILD, Ranged, Some, Stack, Undecided, Word, fresh, is_wild, made
 
 MOST_DEPTH = 1_500
 """Calls inside each other."""
@@ -50,6 +54,8 @@ FORK = 1_000
 LOOKING, ASKING, PATIENCE, FEW = 24, 400, 3_000, 40
 """Iterations of a loop that unknown values do not end: after so many it is compared with earlier ones, then a proof of
 its bound is asked for, and then (after few, for one that was found to go on before) all values are followed at once."""
+UNHURRIED = 2
+"""After one part in so many of the work or time that is allowed, loops are followed for all values at once."""
 MOST_TARGETS = 64
 """Places that an indirect branch may go to."""
 _FRAMES = 40_000
@@ -62,16 +68,16 @@ _GONE = Layer(None)
 class Machine:
     """One run. `limit` bounds the work done, in instructions, `deadline` the time (of time.monotonic)."""
 
-    def __init__(
-        self, source: Any, memory: Memory, behaviours: Behaviours, limit: int, deadline: float | None
-    ) -> None:
+    def __init__(self, source: Any, memory: Memory, behaviours: Behaviours, limit: int, deadline: float | None) -> None:
         self.source, self.memory, self.behaviours = source, memory, behaviours
         self.sites = Sites(memory)
         self.functions: dict[int, Function] = {}
         self.registers: list[Any] = []
         self.steps, self.limit, self.deadline, self.look_again = 0, limit, deadline, 0
+        now = monotonic()
+        self.hurries_at = limit // UNHURRIED, None if deadline is None else now + (deadline - now) / UNHURRIED
         self.targets: dict[int, set[int]] = {}
-        self.depth, self.parted = 0, False
+        self.depth, self.parted, self.hurried = 0, False, False
         self.active: dict[int, int] = {}
 
     def run(self, entry: int) -> int:
@@ -79,6 +85,7 @@ class Machine:
         self.registers = [*(fresh() for _ in range(16)), *[UNKNOWN] * (SLOTS - 16)]
         self.registers[13], self.registers[DEPTH], self.registers[FLOAT_MODE] = Stack(0), 0, 0
         self.registers[ASKED] = self.registers[ASSUMED] = None
+        self.registers[RELATED] = {}
         before = sys.getrecursionlimit()
         sys.setrecursionlimit(max(before, _FRAMES))
         try:
@@ -160,7 +167,7 @@ class Machine:
             self._follow(frame, function.cfg.entry)
         finally:
             for path in frame.kept.values():
-                release(path.layer)
+                release(path.path.layer)
             self.active[function.group] = level - 1
             self.depth -= 1
         used = start - self.registers[DEPTH]
@@ -193,7 +200,7 @@ class Machine:
                 self._leave(frame, counts=type(over) is Ended)
                 block = self._next(frame)
             else:
-                if frame.waiting:
+                if frame.waiting or self.hurried:
                     block = self._meet(frame, block)
             if block == EXIT:
                 break
@@ -207,8 +214,10 @@ class Machine:
         self.look_again = self.steps + OFTEN
         if self.steps > self.limit:
             raise Lost("the run takes more steps than allowed")
-        if self.deadline is not None and monotonic() > self.deadline:
+        now, (steps, time) = monotonic(), self.hurries_at
+        if self.deadline is not None and now > self.deadline:
             raise Lost("the run takes more time than allowed")
+        self.hurried = self.parted and (self.hurried or self.steps > steps or (time is not None and now > time))
 
     def _pass(self, frame: Frame, block: int, way: Way) -> int:
         """Pass along an edge that does more than lead on."""
@@ -235,7 +244,7 @@ class Machine:
             frame.open[loop] = 0
             kept = frame.kept.pop(loop, None)
             if kept is not None:
-                release(kept.layer)
+                release(kept.path.layer)
         if edge.kind is EdgeKind.TAIL_CALL:
             self._note(frame, index, self._call(self._callee(edge.callees), frame.back))
         if self.steps > self.look_again:
@@ -370,7 +379,7 @@ class Machine:
     def _meet(self, frame: Frame, block: int) -> int:
         """Come to a block while other paths wait: go on with the path that is furthest behind."""
         place = self._place(frame, block)
-        if place < frame.places[0]:
+        if not frame.places or place < frame.places[0]:
             try:
                 return self._arrive(frame, block)
             except Impossible:
@@ -382,12 +391,23 @@ class Machine:
     def _wait(self, frame: Frame, block: int, place: Place) -> None:
         """Let the path that is followed wait at a block, together with one that waits there already."""
         path = Path(block, self.registers, self.memory.layer, frame.now)
+        for register in frame.function.dead[block] if block != EXIT else ():
+            self.registers[register] = WILD
         other = frame.waiting.get(place)
         if other is None:
             frame.waiting[place] = path
             heappush(frame.places, place)
         else:
-            frame.waiting[place] = Meeting(self.memory).join(other, path)
+            frame.waiting[place] = Meeting(self.memory).join(
+                other, path, frame.function.compared.pairs, self._starts(frame, path.block)
+            )
+
+    def _starts(self, frame: Frame, block: int, but: int | None = None) -> Starts:
+        """The words that were there when an iteration around a block began, of loops (`but` one) that go on and on."""
+        if not frame.kept or block == EXIT:
+            return ()
+        around = (loop for _, loop in frame.function.around[block][0] if loop in frame.kept and loop != but)
+        return [start for loop in around for start in frame.kept[loop].starts]
 
     def _next(self, frame: Frame) -> int:
         """Go on with the path that is furthest behind: the block where it is. Raises Ended where no path is left."""
@@ -438,12 +458,18 @@ class Machine:
         start, layer, now = self.registers, self.memory.layer, frame.now
         ways = [Way(DYNAMIC, target=target) for target in targets] or self._ways(frame, block)
         for way in ways:
-            found = [] if way.holds is None or flags is None else told(flags, code, way.holds != negated)
-            if found is None:
-                continue
+            found: Told = []
+            related = start[RELATED]
+            if way.holds is not None and flags is not None:
+                holds = way.holds != negated
+                alone, apart = told(flags, code, holds), told_apart(flags, code, holds, related)
+                if alone is None or apart is None:
+                    continue
+                found, related = alone + apart[0], apart[1]
             self.registers, frame.now = start[:], now.copy()
             self.memory.enter(branch(layer))
             self._narrow(found)
+            self.registers[RELATED] = related
             ways += self._try(frame, block, way, ways)
         release(layer)
 
@@ -509,24 +535,30 @@ class Machine:
         return target
 
     def _narrow(self, found: Told) -> None:
-        """Put what a branch tells in the place of the words that it tells of."""
-        registers = self.registers
+        """Put what a branch tells in the place of the words that it tells of, and of those that they are sums of."""
         for word, values in found:
-            new = narrower(word, values)
-            base, moved = word.base, word.offset
-            for register in range(15):
-                old = registers[register]
-                if type(old) is not Some or old.base is not base:
-                    continue
-                if old is word:
-                    other: Word | None = new
-                else:
-                    kept = domain.meet(old.range, domain.shift(values, old.offset - moved))
-                    other = None if kept is None else narrower(old, kept)
-                if other is not None:
-                    registers[register] = other
-                    self.memory.narrow(old, other)
-            self.memory.narrow(word, new)
+            self._narrow_all(word, values)
+            base = word.base
+            for term, other in () if base.terms is None else (base.terms, base.terms[::-1]):
+                rest = domain.sub(domain.shift(values, -word.offset), other.range)
+                if not domain.includes(rest, term.range):
+                    self._narrow_all(term, rest)
+
+    def _narrow_all(self, word: Ranged, values: Range) -> None:
+        """Leave a word, and those with a known distance from it, no other values."""
+        registers, base = self.registers, word.base
+        for register in range(15):
+            old = registers[register]
+            if not isinstance(old, Ranged) or old.base is not base:
+                continue
+            kept = domain.meet(old.range, domain.shift(values, old.offset - word.offset))
+            if kept is not None and kept != old.range:
+                new = narrower(old, kept)
+                registers[register] = new
+                self.memory.narrow(old, new)
+        kept = domain.meet(word.range, values)
+        if kept is not None:
+            self.memory.narrow(word, narrower(word, kept))
 
     def _ways(self, frame: Frame, block: int) -> list[Way]:
         """The edges on which control may leave a block; DYNAMIC for what its last instruction does first."""
@@ -551,40 +583,50 @@ class Machine:
         """Come to a block. At the header of a loop that goes on and on: raises Impossible where this iteration can do
         nothing that an earlier one did not do, and has it cover all further ones in the end."""
         loop = frame.function.headers.get(block)
-        if loop is None or frame.open.get(loop, 0) <= LOOKING:
+        if loop is None or not (self.hurried or frame.open.get(loop, 0) > LOOKING):
             return block
         for slot in frame.function.code.stale[block]:
             self.registers[slot] = UNKNOWN
+        for register in frame.function.dead[block]:
+            self.registers[register] = WILD
+        compared, rounds = frame.function.compared, 0
+        places = list(compared.places)
         count = frame.now.current[loop]
         kept = frame.kept.get(loop)
         path = Path(block, self.registers, self.memory.layer, frame.now)
         if kept is not None:
-            patience = FEW if loop in frame.function.endless else PATIENCE
+            patience = 0 if self.hurried else FEW if loop in frame.function.endless else PATIENCE
             # Where less and less remains possible, an end may come.
-            if includes(self.memory, kept, path) and (count > patience or includes(self.memory, path, kept)):
-                self._goes_on(frame, loop)
+            if includes(self.memory, kept, path) and (count > patience or not is_less(self.memory, kept, path)):
+                self._goes_on(frame, loop, kept, path)
                 raise Impossible
             if count > patience:
-                path = widen(self.memory, kept, path)
+                path = widen(self.memory, kept, path, compared, self._starts(frame, block, loop))
+                rounds = kept.rounds + 1
+                places = list(dict.fromkeys([*places, *changed(kept, path)]))
                 frame.loose.add(loop)
                 self._take(frame, path)
-            elif count < 2 * kept.counters.current[loop]:
+            elif count < 2 * kept.path.counters.current[loop]:
                 return block
-            release(kept.layer)
+            release(kept.path.layer)
         layer = self.memory.layer
-        frame.kept[loop] = Path(block, self.registers[:], layer, frame.now.copy())
+        now = Path(block, self.registers, layer, frame.now)
+        frame.kept[loop] = keep(self.memory, now, places, self._starts(frame, block, loop), rounds)
         self.memory.enter(Layer(layer))
         return block
 
-    def _goes_on(self, frame: Frame, loop: int) -> None:
+    def _goes_on(self, frame: Frame, loop: int, kept: Kept, path: Path) -> None:
         """Nothing new comes of further iterations of a loop."""
         frame.loose.add(loop)
         frame.function.endless.add(loop)
-        limit = self._limit(frame.function, loop)
+        before = kept.path.counters.current[loop]
+        apart = path.counters.current[loop] - before
+        more = iterations(self.memory, kept, path, frame.function.compared.pairs, apart)
+        limit = self._limit(frame.function, loop) if more is None else before + more
         if limit is None:
             frame.endless.add(loop)
         else:
-            frame.proven[loop] = limit
+            frame.proven[loop] = max(limit, frame.proven.get(loop, 0))
 
 
 __all__ = ["Machine"]

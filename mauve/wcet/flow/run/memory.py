@@ -19,7 +19,20 @@ from mauve.wcet.flow.run import several
 from mauve.wcet.flow.run.cells import ANY, Shared, byte, byte_of, half, joined, mates_at, parts_of, simple, together
 from mauve.wcet.flow.run.layers import Cell, Half, Layer, Part, lowest, put_where, settled
 from mauve.wcet.flow.run.operations import extend_byte, extend_half
-from mauve.wcet.flow.run.words import UNKNOWN, WILD, Some, Stack, Stacks, Word, fresh, is_wild, made, merge, range_of
+from mauve.wcet.flow.run.words import (
+    UNKNOWN,
+    WILD,
+    Ranged,
+    Some,
+    Stack,
+    Stacks,
+    Word,
+    fresh,
+    is_wild,
+    made,
+    merge,
+    range_of,
+)
 
 Reader = Callable[[int], Word]
 """What is read at a key."""
@@ -201,10 +214,10 @@ class Memory:
 
     def _keys(self, address: Word, site: int, size: int) -> Sequence[int] | None:
         """The keys of all the places of an access with several; None where they are too many, or not known."""
-        if type(address) is Stacks and address.offsets.size <= MOST_PLACES:
+        if type(address) is Stacks and address.range.size <= MOST_PLACES:
             self.wild.add(site)
             self.top_read = DATA_END
-            offsets = address.offsets
+            offsets = address.range
             if offsets.values is None and offsets.signed_bounds()[0] + offsets.span == offsets.signed_bounds()[1]:
                 low, high = offsets.signed_bounds()
                 return range(STACK + low, STACK + high + 1, offsets.step or 1)
@@ -326,7 +339,7 @@ class Memory:
             return
         if not self._writable(key):
             return
-        if type(value) is Some:
+        if isinstance(value, Ranged):
             value.home = (key, 4)
         self.cells[key] = value
 
@@ -463,7 +476,7 @@ class Memory:
             return together(found)
         if type(found) is Range:
             found = self._named(key, found)
-        if type(found) is Some:
+        if isinstance(found, Ranged):
             found.home = (key, 4)
         return found  # type: ignore[return-value]
 
@@ -555,7 +568,7 @@ class Memory:
         return together([self._byte_at(key + i) if i < size else 0 for i in range(4)])
 
     # ------------------------------------------------------------------------------------------------ paths
-    def narrow(self, word: Some, narrower: Word) -> None:
+    def narrow(self, word: Ranged, narrower: Word) -> None:
         """Put a narrower word where a word is at home, if it is still there."""
         if word.home is None:
             return

@@ -5,9 +5,9 @@ from __future__ import annotations
 from mauve.wcet.flow import domain
 from mauve.wcet.flow.domain import MASK, SIGN, TOP, Range
 from mauve.wcet.flow.run.flags import CS, EQ, GE, GT, HI, MI, Flags, Source
-from mauve.wcet.flow.run.words import Some, Word, made, range_of
+from mauve.wcet.flow.run.words import Ranged, Some, Stack, Stacks, Word, made, range_of, signed
 
-Told = list[tuple[Some, Range]]
+Told = list[tuple[Ranged, Range]]
 """Words and what their ranges are less than before."""
 
 MOST_SIGNED = SIGN - 1
@@ -47,11 +47,11 @@ def told(flags: Flags, code: int, is_true: bool) -> Told | None:
     return _changes(changes)
 
 
-def narrower(word: Some, values: Range) -> Word:
+def narrower(word: Ranged, values: Range) -> Word:
     """The same word with fewer values."""
-    if values.n == 0:
-        return values.low
-    return Some(values, word.base, word.offset)
+    if type(word) is Stacks:
+        return Stack(signed(values.low)) if values.n == 0 else Stacks(values, word.base, word.offset)
+    return values.low if values.n == 0 else Some(values, word.base, word.offset)
 
 
 def within(word: Word, values: Range) -> Word | None:
@@ -76,9 +76,9 @@ def sides(flags: Flags | None, code: int, negated: bool) -> tuple[dict[int, Word
 
 
 def _changes(found: list[tuple[Word, Range, Range]] | tuple[tuple[Word, Range, Range], ...]) -> Told:
-    changes = [(word, kept) for word, before, kept in found if type(word) is Some and kept != before]
+    changes: Told = [(word, kept) for word, before, kept in found if type(word) is Some and kept != before]
     for word, kept in changes[:]:
-        if word.low is None or kept.n:
+        if type(word) is not Some or word.low is None or kept.n:
             continue
         # The low bits are known of the word that it was made of.
         whole, bits, by = word.low

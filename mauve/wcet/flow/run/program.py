@@ -37,7 +37,7 @@ MOST_CASES = 64
 """Values of numbers that are not known for which a program runs apart."""
 FOR_RANGES = 3
 """One part in so many of the time is for a run with the ranges of such numbers."""
-FOR_PROOF = 8
+FOR_PROOF = 5
 """One part in so many of the time left is for a proof that a loop has a bound."""
 AT_LEAST = 0.5
 """Seconds for better bounds, beside twice the time of the run."""

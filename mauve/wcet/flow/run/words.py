@@ -11,7 +11,7 @@ so that what a branch tells of it holds for all of them.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 from mauve.wcet.binary.microop import Op
 from mauve.wcet.flow import domain
@@ -92,25 +92,25 @@ UNKNOWN = Unknown()
 WILD = Wild()
 
 
-class Some(Unknown):
-    """One word out of a range that is no address in the stack.
+class Ranged(Unknown):
+    """One word out of a `range`.
 
     `home` is a place in memory (address and size) that it was found in or put to. A word that is the sum of another and
-    a number has that other as its `root` and the number as its `offset`. `low` (a word, bits, shift): it is that many
-    low bits of the word, shifted to the left.
+    a number has that other as its `root` and the number as its `offset`; one that is the sum of two words has them as
+    its `terms`.
     """
 
-    __slots__ = ("home", "low", "offset", "range", "root")
+    __slots__ = ("home", "offset", "range", "root", "terms")
 
-    def __init__(self, values: Range, root: Some | None = None, offset: int = 0) -> None:
+    def __init__(self, values: Range, root: Ranged | None = None, offset: int = 0) -> None:
         self.range = values
         self.root = root
         self.offset = offset
         self.home: tuple[int, int] | None = None
-        self.low: tuple[Some, int, int] | None = None
+        self.terms: tuple[Ranged, Ranged] | None = None
 
     @property
-    def base(self) -> Some:
+    def base(self) -> Ranged:
         """What all words with a known distance from this one have in common."""
         return self if self.root is None else self.root
 
@@ -119,7 +119,20 @@ class Some(Unknown):
         number &= MASK
         if not number:
             return self
-        return Some(domain.shift(self.range, number), self.base, (self.offset + number) & MASK)
+        return type(self)(domain.shift(self.range, number), self.base, (self.offset + number) & MASK)
+
+    __hash__ = object.__hash__
+
+
+class Some(Ranged):
+    """One word out of a range that is no address in the stack. `low` (a word, bits, shift): it is that many low bits of
+    the word, shifted to the left."""
+
+    __slots__ = ("low",)
+
+    def __init__(self, values: Range, root: Ranged | None = None, offset: int = 0) -> None:
+        super().__init__(values, root, offset)
+        self.low: tuple[Some, int, int] | None = None
 
     def _with(self, op: Op, other: object, *, swapped: bool = False) -> Word:
         values = range_of(other)
@@ -132,7 +145,10 @@ class Some(Unknown):
             return self.moved(other)
         if isinstance(other, Stack | Stacks):
             return other + self
-        return self._with(Op.ADD, other)
+        found = self._with(Op.ADD, other)
+        if type(found) is Some and type(other) is Some:
+            found.terms = self, other
+        return found
 
     __radd__ = __add__  # type: ignore[assignment]
 
@@ -267,7 +283,7 @@ class Stack(Unknown):
         if type(other) is int:
             return Stack(signed(self.offset + other))
         if type(other) is Some:
-            return Stacks(domain.shift(other.range, self.offset))
+            return Stacks(domain.shift(other.range, self.offset), other.base, (other.offset + self.offset) & MASK)
         return WILD
 
     __radd__ = __add__  # type: ignore[assignment]
@@ -278,7 +294,7 @@ class Stack(Unknown):
         if type(other) is Some:
             return Stacks(domain.shift(domain.negate(other.range), self.offset))
         if type(other) is Stacks:
-            return made(domain.shift(domain.negate(other.offsets), self.offset))
+            return made(domain.shift(domain.negate(other.range), self.offset))
         return self.offset - other.offset if type(other) is Stack else WILD
 
     def _lost(self, other: object) -> Unknown:
@@ -356,29 +372,32 @@ class Stack(Unknown):
         return f"sp{self.offset:+d}"
 
 
-class Stacks(Unknown):
-    """An address in the stack: the value of sp at the entry of the program plus one of the `offsets`."""
+class Stacks(Ranged):
+    """An address in the stack: the value of sp at the entry of the program plus one number out of the range."""
 
-    __slots__ = ("offsets",)
-
-    def __init__(self, offsets: Range) -> None:
-        self.offsets = offsets
+    __slots__ = ()
 
     def __add__(self, other: object) -> Word:  # type: ignore[override]
         if type(other) is int:
-            return Stacks(domain.shift(self.offsets, other))
-        return Stacks(domain.add(self.offsets, other.range)) if type(other) is Some else WILD
+            return self.moved(other)
+        if type(other) is not Some:
+            return WILD
+        found = Stacks(domain.add(self.range, other.range))
+        found.terms = self, other
+        return found
 
     __radd__ = __add__  # type: ignore[assignment]
 
     def __sub__(self, other: object) -> Word:  # type: ignore[override]
         if type(other) is int:
-            return Stacks(domain.shift(self.offsets, -other))
+            return self.moved(-other)
+        if type(other) is Stacks and other.base is self.base:
+            return (self.offset - other.offset) & MASK
         if type(other) is Some:
-            return Stacks(domain.sub(self.offsets, other.range))
+            return Stacks(domain.sub(self.range, other.range))
         if type(other) is Stack:
-            return made(domain.shift(self.offsets, -other.offset))
-        return made(domain.sub(self.offsets, other.offsets)) if type(other) is Stacks else WILD
+            return Some(domain.shift(self.range, -other.offset), self.base, (self.offset - other.offset) & MASK)
+        return made(domain.sub(self.range, other.range)) if type(other) is Stacks else WILD
 
     def _lost(self, other: object) -> Unknown:
         return WILD
@@ -393,16 +412,18 @@ class Stacks(Unknown):
 
     def _against(self, other: object) -> tuple[int, int, int, int]:
         if type(other) is Stack:
-            return *self.offsets.signed_bounds(), other.offset, other.offset
+            return *self.range.signed_bounds(), other.offset, other.offset
         if type(other) is Stacks:
-            return *self.offsets.signed_bounds(), *other.offsets.signed_bounds()
+            return *self.range.signed_bounds(), *other.range.signed_bounds()
         raise Undecided
 
     def __eq__(self, other: object) -> bool:
         if type(other) is int and other == 0:
             return False
+        if type(other) is Stacks and other.base is self.base:
+            return other.offset == self.offset
         low, high, least, most = self._against(other)
-        if high < least or low > most:
+        if high < least or low > most or (type(other) is Stack and other.offset & MASK not in self.range):
             return False
         raise Undecided
 
@@ -437,7 +458,7 @@ class Stacks(Unknown):
         return True
 
     def __repr__(self) -> str:
-        return f"sp+{self.offsets!r}"
+        return f"sp+{self.range!r}"
 
 
 class Low(Unknown):
@@ -530,17 +551,18 @@ def merge(a: Word, b: Word) -> Word:
         two = Range(b, 0, 0) if other is int else b.range  # type: ignore[union-attr,arg-type]
         return Some(domain.join(one, two))
     if is_wild(a) or is_wild(b):
-        first, second = _offsets(a), _offsets(b)
+        first, second = offsets_of(a), offsets_of(b)
         if first is None or second is None:
             return WILD
         return a if kind is Stack and first == second else Stacks(domain.join(first, second))
     return Some(TOP)
 
 
-def _offsets(value: Word) -> Range | None:
+def offsets_of(value: Word) -> Range | None:
+    """The offsets of an address in the stack; None for other words."""
     if type(value) is Stack:
         return domain.constant(value.offset)
-    return value.offsets if type(value) is Stacks else None
+    return value.range if type(value) is Stacks else None
 
 
 def covers(wide: Word, word: Word) -> bool:
@@ -548,7 +570,7 @@ def covers(wide: Word, word: Word) -> bool:
     if wide is word or wide is WILD:
         return True
     if is_wild(wide) or is_wild(word):
-        first, second = _offsets(wide), _offsets(word)
+        first, second = offsets_of(wide), offsets_of(word)
         return first is not None and second is not None and domain.includes(first, second)
     if type(wide) not in (int, Some, Unknown):
         return False
@@ -556,12 +578,13 @@ def covers(wide: Word, word: Word) -> bool:
     return one is not None and two is not None and domain.includes(one, two)
 
 
-def widened(old: Word, new: Word) -> Word:
-    """A word that covers both and grows in few steps."""
+def widened(old: Word, new: Word, borders: Sequence[int] = ()) -> Word:
+    """A word that covers both and grows in few steps, first up to `borders` (sorted words)."""
     if covers(old, new):
         return merge(old, new)
     if is_wild(old) or is_wild(new):
-        return WILD
+        first, second = offsets_of(old), offsets_of(new)
+        return WILD if first is None or second is None else Stacks(domain.widen(first, second, borders))
     one, two = range_of(old), range_of(new)
     assert one is not None and two is not None
-    return Some(domain.widen(one, two, ()))
+    return Some(domain.widen(one, two, borders))

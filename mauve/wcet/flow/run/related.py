@@ -1,0 +1,240 @@
+"""How words of a run lie to each other, where ranges do not tell: differences that branches told of.
+
+A path knows, for some pairs of words, the values of the first less the second: a zone (Mine, "A new numerical abstract
+domain based on difference-bound matrices", PADO 2001) of a few pairs, with the circular progressions of the value
+analysis in the place of bounds. `p != end` with an unknown end leaves the distance from p to end one value less each
+time; where paths meet, the distances of the words that the function compares are kept.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Container, Iterable, Sequence
+from typing import TypeAlias
+
+from mauve.wcet.flow import domain
+from mauve.wcet.flow.domain import MASK, SIGN, Range
+from mauve.wcet.flow.run.flags import CS, EQ, GE, GT, HI, Flags, Source
+from mauve.wcet.flow.run.words import Ranged, Some, Stack, Stacks, Word, offsets_of, range_of
+
+Related: TypeAlias = dict[tuple[int, int], tuple[Ranged, Ranged, Range]]
+"""By the identities of two bases: the bases, and the values of the first less the second. Never changed in place."""
+
+MOST = 32
+"""Pairs of words that a path knows something of."""
+
+
+# ------------------------------------------------------------------------------------------------------ differences
+def difference(a: Word, b: Word, related: Related) -> Range | None:
+    """The values of a - b as they are known; None where they are not numbers or not addresses in the stack both."""
+    first, second = _both(a, b)
+    if first is None or second is None:
+        return None
+    from_a, at_a = base_of(a)
+    from_b, at_b = base_of(b)
+    if from_a is from_b:
+        return domain.constant((at_a - at_b) & MASK)
+    values = domain.sub(first, second)
+    if from_a is not None and from_b is not None:
+        for known in _told(from_a, from_b, related):
+            met = domain.meet(domain.shift(known, at_a - at_b), values)
+            values = values if met is None else met
+    return values
+
+
+def _is_known(a: Word, b: Word, related: Related) -> bool:
+    """Whether more is known of a - b than the values of both tell."""
+    from_a, _ = base_of(a)
+    from_b, _ = base_of(b)
+    if from_a is from_b:
+        return True
+    if from_a is None or from_b is None:
+        return False
+    key = id(from_a), id(from_b)
+    return key in related or key[::-1] in related or from_a.terms is not None or from_b.terms is not None
+
+
+def _both(a: Word, b: Word) -> tuple[Range | None, Range | None]:
+    if type(a) is Stack or type(a) is Stacks:
+        return offsets_of(a), offsets_of(b)
+    return (range_of(a), range_of(b)) if type(a) in (int, Some) and type(b) in (int, Some) else (None, None)
+
+
+def base_of(word: Word) -> tuple[Ranged | None, int]:
+    """What a word has a known distance from (None: zero, or sp at the entry of the program), and the distance."""
+    kind = type(word)
+    if kind is Some or kind is Stacks:
+        return (word if word.root is None else word.root), word.offset  # type: ignore[union-attr,return-value]
+    return None, word.offset if kind is Stack else word  # type: ignore[return-value,union-attr]
+
+
+def _told(a: Ranged, b: Ranged, related: Related) -> list[Range]:
+    """What else is known of the difference of two bases."""
+    known = []
+    found = related.get((id(a), id(b)))
+    if found is not None:
+        known.append(found[2])
+    found = related.get((id(b), id(a)))
+    if found is not None:
+        known.append(domain.negate(found[2]))
+    if a.terms is None and b.terms is None:
+        return known
+    for whole, part, sign in ((a, b, False), (b, a, True)):
+        for term, other in (whole.terms, whole.terms[::-1]) if whole.terms else ():
+            if term.base is part and type(other) is Some:
+                # The sum less one of its terms is the other one.
+                rest = domain.shift(other.range, term.offset)
+                known.append(domain.negate(rest) if sign else rest)
+    return known
+
+
+def with_difference(a: Word, b: Word, values: Range, related: Related) -> Related:
+    """What is known when a - b is one of the values as well."""
+    from_a, at_a = base_of(a)
+    from_b, at_b = base_of(b)
+    if from_a is None or from_b is None:
+        return related
+    key = id(from_a), id(from_b)
+    found = {one: known for one, known in related.items() if one not in (key, key[::-1])}
+    if len(found) >= MOST:
+        del found[next(iter(found))]
+    found[key] = from_a, from_b, domain.shift(values, at_b - at_a)
+    return found
+
+
+def told_apart(
+    flags: Flags, code: int, is_true: bool, related: Related
+) -> tuple[list[tuple[Ranged, Range]], Related] | None:
+    """What a condition (its even encoding) tells of two words by what is known of their difference: less values of
+    each, and of the difference. None where it cannot be as said."""
+    a, b = flags.a, flags.b
+    if flags.source is not Source.DIFFERENCE or type(a) is int or type(b) is int:
+        return [], related
+    before = difference(a, b, related)
+    if before is None:
+        return [], related
+    kept = _compared(a, b, before, code, is_true)
+    if kept is None:
+        return None
+    first, second = _both(a, b)
+    assert first is not None and second is not None
+    changes: list[tuple[Ranged, Range]] = []
+    for word, values, other in ((a, first, domain.add(second, kept)), (b, second, domain.sub(first, kept))):
+        met = domain.meet(values, other)
+        if met is None:
+            return None
+        if isinstance(word, Ranged) and met.size < values.size:
+            changes.append((word, met))
+    if kept.span < domain.sub(first, second).span:
+        related = with_difference(a, b, kept, related)
+    return changes, related
+
+
+def _compared(a: Word, b: Word, values: Range, code: int, is_true: bool) -> Range | None:
+    """What remains of the values of a - b where a and b compare as said."""
+    if code == EQ:
+        return domain.clip(values, 0, 0) if is_true else domain.without(values, 0)
+    if code not in (CS, HI, GE, GT) or not _ordered_by_difference(a, b, signed=code in (GE, GT)):
+        return values
+    least = int(code in (HI, GT))
+    if is_true:
+        return domain.clip(values, least, SIGN - 1)
+    return domain.clip(values, SIGN, (least - 1) & MASK)
+
+
+def _ordered_by_difference(a: Word, b: Word, *, signed: bool) -> bool:
+    """Whether a is above b just where a - b, as a number with sign, is above zero."""
+    first, second = _both(a, b)
+    if first is None or second is None:
+        return False
+    in_stack = type(a) is Stack or type(a) is Stacks
+    if in_stack and signed:
+        return False
+    ends = Range.signed_bounds if signed or in_stack else Range.unsigned_bounds
+    (low, high), (least, most) = ends(first), ends(second)
+    return high - least < SIGN and most - low < SIGN
+
+
+# ----------------------------------------------------------------------------------------------------- where paths meet
+Triple: TypeAlias = tuple[Word, Word, Word]
+"""A word on one path, on another, and where they have met."""
+
+
+Combine: TypeAlias = Callable[[Range, Range], Range]
+
+
+def together(
+    one: Related,
+    other: Related,
+    words: Iterable[Triple],
+    pairs: Sequence[tuple[Triple, Triple]],
+    alive: Container[int],
+    starts: Container[int],
+    combine: Combine = domain.join,
+) -> Related:
+    """What is known of differences where two paths meet. `words` are those that became another, `pairs` those that the
+    function compares, `alive` the bases (their identities) that lie in registers, `starts` those from which
+    distances are kept in any case; `combine` makes one range of two."""
+    found: Related = {}
+    words = list(words) if starts or one or other else ()
+    for triple in words if starts else ():
+        for base in {id(base): base for base in (base_of(triple[0])[0], base_of(triple[1])[0])}.values():
+            if base is not None and id(base) in starts:
+                found = _met(triple, (base, base, base), one, other, combine, found)
+    for first, second in pairs:
+        if first[0] is not first[1] or second[0] is not second[1]:
+            found = _met(first, second, one, other, combine, found, always=True)
+    if not one and not other:
+        return found
+    became: dict[int, list[Triple]] = {}
+    for triple in words:
+        for word in {id(base): base for base in (base_of(triple[0])[0], base_of(triple[1])[0]) if base is not None}:
+            became.setdefault(word, []).append(triple)
+    for key, (x, y, _) in {**other, **one}.items():
+        firsts, seconds = tuple(became.get(key[0], ())), tuple(became.get(key[1], ()))
+        if not firsts and not seconds and not (key in one and key in other):
+            continue
+        # A word that is in no register became all that it is now.
+        firsts = (*firsts, (x, x, x)) if not firsts or key[0] in alive else firsts
+        seconds = (*seconds, (y, y, y)) if not seconds or key[1] in alive else seconds
+        for first in firsts:
+            for second in seconds:
+                found = _met(first, second, one, other, combine, found)
+    return found
+
+
+def _met(
+    first: Triple,
+    second: Triple,
+    one: Related,
+    other: Related,
+    combine: Combine,
+    found: Related,
+    *,
+    always: bool = False,
+) -> Related:
+    """With the difference of two words as it is where two paths have met; `always` also where neither path knows more
+    of it than the values of the words."""
+    (a, b, c), (x, y, z) = first, second
+    if not isinstance(c, Ranged) or not isinstance(z, Ranged) or c.base is z.base or len(found) >= MOST:
+        return found
+    if (id(c.base), id(z.base)) in found or (id(z.base), id(c.base)) in found:
+        return found
+    if not always and not (_is_known(a, x, one) or _is_known(b, y, other)):
+        return found
+    here, there = difference(a, x, one), difference(b, y, other)
+    if here is None or there is None:
+        return found
+    values = combine(here, there)
+    if values.span >= min(c.range.span + z.range.span, MASK):
+        return found
+    return with_difference(c, z, values, found)
+
+
+__all__ = [
+    "Related",
+    "Triple",
+    "base_of",
+    "difference",
+    "together",
+    "told_apart",
+]

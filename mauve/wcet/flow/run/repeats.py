@@ -1,0 +1,262 @@
+"""Whether an iteration of a loop does anything that an earlier one did not do, and paths that cover all iterations."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from mauve.wcet.flow import domain
+from mauve.wcet.flow.domain import MASK, SIGN, Range
+from mauve.wcet.flow.run.cells import parts_of
+from mauve.wcet.flow.run.compared import Compared, Register, Where
+from mauve.wcet.flow.run.compared import borders as beside
+from mauve.wcet.flow.run.compile import ASKED, ASSUMED, DEPTH, RELATED, TARGET
+from mauve.wcet.flow.run.joining import covers_cell, pairs_since, widen_layer
+from mauve.wcet.flow.run.joining import includes as memory_includes
+from mauve.wcet.flow.run.layers import Cell, Half, Layer, Part, Value, common, forgotten
+from mauve.wcet.flow.run.memory import Memory
+from mauve.wcet.flow.run.paths import Path, Starts, word_at, words_at
+from mauve.wcet.flow.run.related import Related, Triple, base_of, difference, together
+from mauve.wcet.flow.run.words import UNKNOWN, Ranged, Some, Stack, Stacks, Word, covers, widened
+
+_NO_VALUES = frozenset({TARGET, DEPTH, ASKED, ASSUMED, RELATED})
+"""Slots of registers whose content no instruction reads."""
+
+
+CLOSE, STEPS = 2, 4
+"""How often ranges grow to the next border that any comparison draws, and to borders at all, before they grow to their
+ends."""
+
+
+@dataclass(slots=True)
+class Kept:
+    """A path as it was at the header of a loop. `uses` is how often each word occurs in it, by the identity of its
+    base; `starts` are the words in it that the function compares, `rounds` how often it was made wider."""
+
+    path: Path
+    uses: dict[int, int]
+    starts: Starts
+    rounds: int = 0
+
+
+def keep(memory: Memory, path: Path, places: Sequence[Where], outer: Starts = (), rounds: int = 0) -> Kept:
+    """Remember a path with the words at `places`; its layer is not written to any more. What words in its registers
+    tell of other words is forgotten, on the path as well: of a later iteration it need not be so. `outer` are the
+    starts of loops around."""
+    registers = path.registers
+    plain: dict[int, Ranged] = {}
+    for number in range(15):
+        word = registers[number]
+        if isinstance(word, Ranged) and (word.base.terms is not None or (type(word) is Some and word.low is not None)):
+            values = domain.shift(word.range, -word.offset)
+            base = plain.setdefault(id(word.base), type(word)(values))
+            registers[number] = base.moved(word.offset)
+    uses: dict[int, int] = {}
+    for word in (*registers, *_words_below(path.layer)):
+        if isinstance(word, Ranged):
+            base = word.base
+            uses[id(base)] = uses.get(id(base), 0) + 1
+    related: Related = registers[RELATED]
+    wanted = uses.keys() | {id(start.base) for _, start in outer}
+    registers[RELATED] = {key: pair for key, pair in related.items() if key[0] in wanted and key[1] in wanted}
+    found = [(place, word_at(memory, place, path)) for place in places]
+    starts = [(place, word) for place, word in found if isinstance(word, Ranged)]
+    return Kept(Path(path.block, registers[:], path.layer, path.counters.copy()), uses, starts, rounds)
+
+
+def changed(kept: Kept, path: Path) -> list[Where]:
+    """The registers that hold other numbers on a later path."""
+    pairs = enumerate(zip(kept.path.registers[:15], path.registers, strict=False))
+    return [Register(n) for n, (a, b) in pairs if a is not b and isinstance(b, Ranged) and not b.range.is_top]
+
+
+def _words_below(layer: Layer) -> Iterator[Value]:
+    """The words in memory as a path sees it."""
+    seen: set[int] = set()
+    one: Layer | None = layer
+    while one is not None:
+        for key, cell in one.cells.items():
+            if key not in seen:
+                seen.add(key)
+                yield from _words_of(cell)
+        one = one.below
+
+
+def _words_of(cell: Cell) -> Iterator[Value]:
+    if isinstance(cell, list):
+        for part in cell:
+            yield part.value if isinstance(part, Half) else part
+    else:
+        yield cell
+
+
+class _Places:
+    """What stands on a later path where a word stands on an earlier one."""
+
+    def __init__(self, uses: dict[int, int]) -> None:
+        self._uses = uses
+        self._found: dict[int, tuple[Ranged | None, int]] = {}
+        self._seen: dict[int, int] = {}
+        self._words: dict[int, Word] = {}
+
+    def agree(self, wide: Word, word: Word) -> bool:
+        """Whether a word may stand in the place of another, given those seen before: words with a known distance have
+        it on the later path as well."""
+        if not isinstance(wide, Ranged):
+            return True
+        if type(word) is not int and type(word) is not Stack and not isinstance(word, Ranged):
+            return self._uses.get(id(wide.base)) == 1 and wide.base.terms is None
+        base, at = base_of(word)
+        if base is not wide.base and (wide.base.terms is not None or (type(wide) is Some and wide.low is not None)):
+            return False
+        instead = base, (at - wide.offset) & MASK
+        key = id(wide.base)
+        self._seen[key] = self._seen.get(key, 0) + 1
+        self._words[key] = word if not wide.offset else word - wide.offset
+        return self._found.setdefault(key, instead) == instead
+
+    def complete(self) -> bool:
+        """Whether no word that became another stands anywhere else."""
+        return all(
+            self._seen[key] == self._uses.get(key, 0) for key, (base, _) in self._found.items() if id(base) != key
+        )
+
+    def now(self, base: Ranged) -> Word:
+        """What a word is on the later path."""
+        return self._words.get(id(base), base)
+
+
+def includes(memory: Memory, kept: Kept, path: Path) -> bool:
+    """Whether everything that may be so on `path` may be so on the path that was kept, from which it came."""
+    wide, places = kept.path, _Places(kept.uses)
+    for number, (a, b) in enumerate(zip(wide.registers, path.registers, strict=True)):
+        if number not in _NO_VALUES and not ((a is b or covers(a, b)) and places.agree(a, b)):
+            return False
+    base = common(wide.layer, path.layer)
+    if forgotten(path.layer, base)[0]:
+        return False
+    for _, first, second in pairs_since(memory, wide.layer, path.layer, base):
+        if not covers_cell(first, second) or not _cell_agrees(first, second, places):
+            return False
+    if not places.complete():
+        return False
+    for x, y, values in wide.registers[RELATED].values():
+        found = difference(places.now(x), places.now(y), path.registers[RELATED])
+        if found is None or not domain.includes(values, found):
+            return False
+    return True
+
+
+def _cell_agrees(wide: Cell, cell: Cell, places: _Places) -> bool:
+    """Whether a cell may stand in the place of another, as far as it holds words that stand elsewhere as well."""
+    if not isinstance(wide, list):
+        return isinstance(wide, Range) or places.agree(wide, UNKNOWN if isinstance(cell, list | Range) else cell)
+    return all(_agree(a, b, places) for a, b in zip(wide, parts_of(cell), strict=True))
+
+
+def _agree(wide: Part, part: Part, places: _Places) -> bool:
+    if isinstance(wide, Half):
+        if isinstance(wide.value, Range):
+            return True
+        same = isinstance(part, Half) and wide.index == part.index and not isinstance(part.value, Range)
+        return same and places.agree(wide.value, part.value)  # type: ignore[union-attr,arg-type]
+    if isinstance(wide, Range):
+        return True
+    return places.agree(wide, UNKNOWN if isinstance(part, Half | Range) else part)
+
+
+def is_less(memory: Memory, kept: Kept, path: Path) -> bool:
+    """Whether less may be so on `path` than on the path that was kept, which includes it."""
+    if not _covers(memory, path, kept.path):
+        return True
+    places = _Places(kept.uses)
+    for a, b in zip(kept.path.registers, path.registers, strict=True):
+        if isinstance(a, Ranged):
+            places.agree(a, b)
+    for x, y, values in kept.path.registers[RELATED].values():
+        found = difference(places.now(x), places.now(y), path.registers[RELATED])
+        if found is None or not domain.includes(found, values):
+            return True
+    return False
+
+
+def _covers(memory: Memory, wide: Path, path: Path) -> bool:
+    for number, (a, b) in enumerate(zip(wide.registers, path.registers, strict=True)):
+        if a is not b and number not in _NO_VALUES and not covers(a, b):
+            return False
+    return memory_includes(memory, wide.layer, path.layer)
+
+
+def widen(memory: Memory, kept: Kept, path: Path, compared: Compared, starts: Starts) -> Path:
+    """A path that covers both, such that doing this again and again comes to an end; see Meeting.join."""
+    before = kept.path
+    made: dict[tuple[int, int], Triple] = {}
+    borders = _Borders(kept, path, compared)
+
+    def wider(a: Any, b: Any, ends: Sequence[int] = borders.all) -> Any:
+        if a is b or (type(a) is int and type(b) is int and a == b):
+            return a
+        if (id(a), id(b)) not in made:
+            in_stack = type(a) is Stack or type(a) is Stacks
+            made[id(a), id(b)] = a, b, widened(a, b, borders.stack if in_stack else ends)
+        return made[id(a), id(b)][2]
+
+    registers = list(path.registers)
+    for number, (a, b) in enumerate(zip(before.registers, path.registers, strict=True)):
+        if number not in _NO_VALUES and a is not b:
+            registers[number] = wider(a, b, borders.of(number))
+    places = {*(place for pair in compared.pairs for place in pair), *(place for place, _ in starts)}
+    words = {place: words_at(memory, place, before, path, registers, wider) for place in places}
+    known = [(one, two) for a, b in compared.pairs if (one := words[a]) is not None and (two := words[b]) is not None]
+    known += [(one, (start, start, start)) for place, start in starts if (one := words[place]) is not None]
+    begun = {id(start.base) for _, start in starts}
+    alive = {id(word.base) for word in registers[:15] if isinstance(word, Ranged)}
+    combine = _grown if kept.rounds < STEPS else _lasting
+    one, other = before.registers[RELATED], path.registers[RELATED]
+    registers[RELATED] = together(one, other, made.values(), known, alive, begun, combine)
+    layer = widen_layer(memory, before.layer, path.layer, wider)
+    return Path(path.block, registers, layer, path.counters)
+
+
+class _Borders:
+    """Where ranges may end that grow: beside what words are compared with, and beside numbers, addresses and ranges
+    that stay as they are."""
+
+    def __init__(self, kept: Kept, path: Path, compared: Compared) -> None:
+        self._numbers = compared.numbers
+        near = kept.rounds < CLOSE
+        found: set[int] = set(_SMALL if near else _ENDS)
+        stack: set[int] = set()
+        for old, word in zip(kept.path.registers[:15], path.registers, strict=False):
+            if type(word) is int:
+                found.update(beside(word))
+            elif type(word) is Stack:
+                stack.update(beside(word.offset))
+            elif old is word and isinstance(word, Ranged):
+                for end in word.range.unsigned_bounds():
+                    (stack if type(word) is Stacks else found).update(beside(end))
+        self._found = found
+        numbers = set().union(*compared.numbers.values()) if near else set()
+        self.all = sorted(found | numbers) if kept.rounds < STEPS else []
+        self.stack = sorted(stack | {0, SIGN, MASK}) if kept.rounds < STEPS else []
+
+    def of(self, register: int) -> list[int]:
+        """The borders for what a register holds."""
+        own = self._numbers.get(Register(register))
+        return self.all if own is None or not self.all else sorted(self._found | own)
+
+
+def _grown(before: Range, after: Range) -> Range:
+    return domain.widen(before, after, sorted(_SMALL))
+
+
+def _lasting(before: Range, after: Range) -> Range:
+    return before if domain.includes(before, after) else domain.TOP
+
+
+_ENDS = (0, SIGN - 1, SIGN, MASK)
+_SMALL = (*_ENDS, 1, 0xFF, 0xFFFF)
+
+
+__all__ = ["Kept", "changed", "includes", "is_less", "keep", "widen"]
