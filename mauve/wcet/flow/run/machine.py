@@ -538,6 +538,9 @@ class Machine:
         """Put what a branch tells in the place of the words that it tells of, and of those that they are sums of."""
         for word, values in found:
             self._narrow_all(word, values)
+            addresses = None if word.source is None else self.memory.where(word.source, values)
+            if word.source is not None and addresses is not None:
+                self._narrow_all(word.source.address, addresses)
             base = word.base
             for term, other in () if base.terms is None else (base.terms, base.terms[::-1]):
                 rest = domain.sub(domain.shift(values, -word.offset), other.range)

@@ -20,10 +20,12 @@ from mauve.wcet.flow.run.cells import ANY, Shared, byte, byte_of, half, joined, 
 from mauve.wcet.flow.run.layers import Cell, Half, Layer, Part, lowest, put_where, settled
 from mauve.wcet.flow.run.operations import extend_byte, extend_half
 from mauve.wcet.flow.run.words import (
+    MASK,
     UNKNOWN,
     WILD,
     Ranged,
     Some,
+    Source,
     Stack,
     Stacks,
     Word,
@@ -75,11 +77,14 @@ class Memory:
         self.low: list[int] = []
         self.high: list[int] = []
         self.wild: set[int] = set()
+        self.stores = 0
         self.leaked = False
         """whether an address in the stack was ever written outside of it"""
         self.shared = Shared()
         self.top_read = -(1 << 62)
         """the greatest offset from the first sp that was read since this was set back"""
+        self.ends = tuple(end for one in binary.objects for end in (one.address, one.address + one.size) if one.size)
+        """where the objects of the program begin and end"""
         self._segments = sorted(binary.segments, key=lambda segment: segment.address)
         self._starts = [segment.address for segment in self._segments]
         self._unaligned = unaligned
@@ -168,13 +173,52 @@ class Memory:
         if len(keys) == 1:
             return read(keys[0])
         if not self.leaked and any(self._elsewhere(key, size) for key in (keys[0], keys[-1])):
-            return fresh(every)
+            return self._from(address, fresh(every), size, extend)
         places = several.groups(keys, size)
         if places is not None:
             values = several.read(list(self._cells_at(places)), size, extend)
             if values is not None:
-                return made(values)
+                return self._from(address, made(values), size, extend)
         return several.covering(map(read, keys))
+
+    def _from(self, address: Word, word: Word, size: int, extend: Op) -> Word:
+        """A word that was read at one of several addresses."""
+        if isinstance(word, Ranged) and isinstance(address, Ranged):
+            word.source = Source(address, size, extend, self.stores)
+        return word
+
+    def where(self, source: Source, values: Range) -> Range | None:
+        """Those addresses of a source at which one of the values may be read; None where nothing can be told as memory
+        was written since, or nothing less than all."""
+        found, stores = source.address.range, source.stores
+        keys = self._keys_of(source.address)
+        if stores != self.stores or keys is None:
+            return None
+        first, last = 0, len(keys) - 1
+        while first < last and not self._may_be(keys[first], source, values):
+            first += 1
+        while last > first and not self._may_be(keys[last], source, values):
+            last -= 1
+        if first == 0 and last == len(keys) - 1:
+            return None
+        low, high = (keys[end] - STACK if keys[end] >= DATA_END else keys[end] for end in (first, last))
+        return domain.clip(found, low & MASK, high & MASK)
+
+    def _may_be(self, key: int, source: Source, values: Range) -> bool:
+        """Whether one of the values may be read at a place."""
+        cell, shift = self.look(self.layer, key & ~3), 8 * (key & 3)
+        if key % source.size:
+            return True
+        if isinstance(cell, list):
+            parts = cell[key & 3 : (key & 3) + source.size]
+            if not all(type(part) is int for part in parts):
+                return True
+            number = sum((part & 0xFF) << 8 * i for i, part in enumerate(parts))  # type: ignore[operator,misc]
+        elif type(cell) is int:
+            number = cell >> shift & ((1 << 8 * source.size) - 1)
+        else:
+            return True
+        return domain.concrete(source.extension, number, 0) in values
 
     def _elsewhere(self, key: int, size: int) -> bool:
         """Whether an access goes to a word that is in no segment, where anything may be read."""
@@ -214,22 +258,29 @@ class Memory:
 
     def _keys(self, address: Word, site: int, size: int) -> Sequence[int] | None:
         """The keys of all the places of an access with several; None where they are too many, or not known."""
-        if type(address) is Stacks and address.range.size <= MOST_PLACES:
+        keys = self._keys_of(address)
+        if keys is None or type(address) is Stacks:
             self.wild.add(site)
+        if keys is not None and type(address) is Stacks:
             self.top_read = DATA_END
+        elif keys is not None and type(address) is Some:
+            low, high = address.range.unsigned_bounds()
+            self.low[site] = min(self.low[site], low)
+            self.high[site] = max(self.high[site], high + size - 1)
+        return keys
+
+    def _keys_of(self, address: Word) -> Sequence[int] | None:
+        if type(address) is Stacks and address.range.size <= MOST_PLACES:
             offsets = address.range
-            if offsets.values is None and offsets.signed_bounds()[0] + offsets.span == offsets.signed_bounds()[1]:
-                low, high = offsets.signed_bounds()
+            low, high = offsets.signed_bounds()
+            if offsets.values is None and low + offsets.span == high:
                 return range(STACK + low, STACK + high + 1, offsets.step or 1)
             return [STACK + (offset - (1 << 32) if offset >> 31 else offset) for offset in offsets.members()]
         if type(address) is Some and address.range.size <= MOST_PLACES:
             low, high = address.range.unsigned_bounds()
-            self.low[site] = min(self.low[site], low)
-            self.high[site] = max(self.high[site], high + size - 1)
             if address.range.values is None and low + address.range.span == high:
                 return range(low, high + 1, address.range.step or 1)
             return list(address.range.members())
-        self.wild.add(site)
         return None
 
     def peek(self, address: Word) -> Word:
@@ -303,6 +354,7 @@ class Memory:
 
     def _places(self, address: Word, value: Word, site: int, size: int) -> Sequence[int]:
         """The keys that a store may write; none where nothing is known of memory after it. Raises Lost."""
+        self.stores += 1
         if type(address) is int:
             self.low[site] = min(self.low[site], address)
             self.high[site] = max(self.high[site], address + size - 1)

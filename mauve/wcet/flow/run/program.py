@@ -28,7 +28,7 @@ from mauve.wcet.flow.run.narrow import within
 from mauve.wcet.flow.run.remembered import closed
 from mauve.wcet.result import Origin, Problem, ProblemKind
 
-STEPS = 25_000_000
+STEPS = 50_000_000
 """Instructions that a run may execute."""
 
 METHOD = "run from the linked data"
@@ -273,7 +273,7 @@ def _graphs(behaviours: Behaviours, numbers: list[int]) -> dict[int, Cfg]:
         if cfg.key not in graphs:
             found = called[cfg.key]
             edges = tuple(
-                replace(edge, callees=tuple(sorted(found[index]))) if index in found and not edge.callees else edge
+                replace(edge, callees=tuple(sorted(found[index]))) if index in found else edge
                 for index, edge in enumerate(cfg.edges)
             )
             graphs[cfg.key] = replace(cfg, edges=edges, unresolved=())

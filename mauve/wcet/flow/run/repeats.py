@@ -192,7 +192,7 @@ def widen(memory: Memory, kept: Kept, path: Path, compared: Compared, starts: St
     """A path that covers both, such that doing this again and again comes to an end; see Meeting.join."""
     before = kept.path
     made: dict[tuple[int, int], Triple] = {}
-    borders = _Borders(kept, path, compared)
+    borders = _Borders(kept, path, compared, memory.ends)
 
     def wider(a: Any, b: Any, ends: Sequence[int] = borders.all) -> Any:
         if a is b or (type(a) is int and type(b) is int and a == b):
@@ -220,14 +220,16 @@ def widen(memory: Memory, kept: Kept, path: Path, compared: Compared, starts: St
 
 
 class _Borders:
-    """Where ranges may end that grow: beside what words are compared with, and beside numbers, addresses and ranges
-    that stay as they are."""
+    """Where ranges may end that grow: beside what words are compared with, beside numbers, addresses and ranges that
+    stay as they are, and beside the ends of objects."""
 
-    def __init__(self, kept: Kept, path: Path, compared: Compared) -> None:
+    def __init__(self, kept: Kept, path: Path, compared: Compared, ends: Sequence[int]) -> None:
         self._numbers = compared.numbers
         near = kept.rounds < CLOSE
         found: set[int] = set(_SMALL if near else _ENDS)
         stack: set[int] = set()
+        for end in ends:
+            found.update(beside(end))
         for old, word in zip(kept.path.registers[:15], path.registers, strict=False):
             if type(word) is int:
                 found.update(beside(word))

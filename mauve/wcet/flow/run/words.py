@@ -12,6 +12,7 @@ so that what a branch tells of it holds for all of them.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 
 from mauve.wcet.binary.microop import Op
 from mauve.wcet.flow import domain
@@ -92,15 +93,25 @@ UNKNOWN = Unknown()
 WILD = Wild()
 
 
+@dataclass(frozen=True, slots=True)
+class Source:
+    """Where a word was read: the address, the bytes and what was made of them, and the stores done before."""
+
+    address: Ranged
+    size: int
+    extension: Op
+    stores: int
+
+
 class Ranged(Unknown):
     """One word out of a `range`.
 
     `home` is a place in memory (address and size) that it was found in or put to. A word that is the sum of another and
     a number has that other as its `root` and the number as its `offset`; one that is the sum of two words has them as
-    its `terms`.
+    its `terms`; one that was read at an address that is not known has a `source`.
     """
 
-    __slots__ = ("home", "offset", "range", "root", "terms")
+    __slots__ = ("home", "offset", "range", "root", "source", "terms")
 
     def __init__(self, values: Range, root: Ranged | None = None, offset: int = 0) -> None:
         self.range = values
@@ -108,6 +119,7 @@ class Ranged(Unknown):
         self.offset = offset
         self.home: tuple[int, int] | None = None
         self.terms: tuple[Ranged, Ranged] | None = None
+        self.source: Source | None = None
 
     @property
     def base(self) -> Ranged:
@@ -303,9 +315,13 @@ class Stack(Unknown):
     __rsub__ = __mul__ = __rmul__ = __rlshift__ = __rshift__ = __rrshift__ = _lost
 
     def __or__(self, other: object) -> Unknown:
+        if type(other) is int and other <= 7:
+            return Stack(self.offset | other)
         return _low_bits(self, other, lambda a, b: a | b)
 
     def __xor__(self, other: object) -> Unknown:
+        if type(other) is int and other <= 7:
+            return Stack(self.offset ^ other)
         return _low_bits(self, other, lambda a, b: a ^ b)
 
     __ror__, __rxor__ = __or__, __xor__  # type: ignore[assignment]
