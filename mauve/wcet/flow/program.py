@@ -21,6 +21,7 @@ from mauve.wcet.clock import OutOfTime, is_over
 from mauve.wcet.flow import domain
 from mauve.wcet.flow.analysed import Analysed
 from mauve.wcet.flow.assumed import Assumed
+from mauve.wcet.flow.both import better
 from mauve.wcet.flow.domain import MASK, Range
 from mauve.wcet.flow.facts import Fact
 from mauve.wcet.flow.function import Limits
@@ -125,7 +126,10 @@ class Programs:
             analysed = self._analysed(entry_key, deadline)
         except OutOfTime as reason:
             return self._unfinished(entry_key, reason, timeout) if ran is None else ran
-        return analysed if ran is None or _open(analysed) < _open(ran) else ran
+        if ran is None:
+            return analysed
+        ran, analysed = better(ran, analysed), better(analysed, ran)
+        return analysed if _open(analysed) < _open(ran) else ran
 
     def _analysed(self, entry_key: int, deadline: float | None) -> ProgramFlow:
         """The analysis without a run."""

@@ -136,7 +136,7 @@ def test_what_depends_on_an_unknown_is_undecided() -> None:
         with pytest.raises(Undecided):
             condition()
     assert (UNKNOWN & 0) == 0 and (UNKNOWN + 3) is UNKNOWN and range_of(merge(UNKNOWN, 3)) == TOP and merge(3, 3) == 3
-    assert type((Stack(4) | 1) & MASK) is Low
+    assert type((Stack(4) | 9) & MASK) is Low and (Stack(4) | 1) == Stack(5) and (Stack(5) ^ 7) == Stack(2)
 
 
 @settings(max_examples=200, deadline=None)

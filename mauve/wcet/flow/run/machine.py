@@ -54,6 +54,9 @@ FORK = 1_000
 LOOKING, ASKING, PATIENCE, FEW = 24, 400, 3_000, 40
 """Iterations of a loop that unknown values do not end: after so many it is compared with earlier ones, then a proof of
 its bound is asked for, and then (after few, for one that was found to go on before) all values are followed at once."""
+SOON, UNROLLED = 2, 60_000
+"""The same when time runs short: iterations of a loop in which all values were followed at once before, and the work
+for others."""
 UNHURRIED = 2
 """After one part in so many of the work or time that is allowed, loops are followed for all values at once."""
 MOST_TARGETS = 64
@@ -592,31 +595,40 @@ class Machine:
             self.registers[slot] = UNKNOWN
         for register in frame.function.dead[block]:
             self.registers[register] = WILD
-        compared, rounds = frame.function.compared, 0
+        compared, rounds, since = frame.function.compared, 0, self.steps
         places = list(compared.places)
         count = frame.now.current[loop]
         kept = frame.kept.get(loop)
         path = Path(block, self.registers, self.memory.layer, frame.now)
         if kept is not None:
-            patience = 0 if self.hurried else FEW if loop in frame.function.endless else PATIENCE
+            since = kept.since
+            wide = self._is_long(frame, loop, kept, count)
             # Where less and less remains possible, an end may come.
-            if includes(self.memory, kept, path) and (count > patience or not is_less(self.memory, kept, path)):
+            if includes(self.memory, kept, path) and (wide or not is_less(self.memory, kept, path)):
                 self._goes_on(frame, loop, kept, path)
                 raise Impossible
-            if count > patience:
+            if wide:
                 path = widen(self.memory, kept, path, compared, self._starts(frame, block, loop))
                 rounds = kept.rounds + 1
+                frame.function.endless.add(loop)
                 places = list(dict.fromkeys([*places, *changed(kept, path)]))
                 frame.loose.add(loop)
                 self._take(frame, path)
-            elif count < 2 * kept.path.counters.current[loop]:
+            elif count < 2 * kept.path.counters.current[loop] and not self.hurried:
                 return block
             release(kept.path.layer)
         layer = self.memory.layer
         now = Path(block, self.registers, layer, frame.now)
-        frame.kept[loop] = keep(self.memory, now, places, self._starts(frame, block, loop), rounds)
+        frame.kept[loop] = keep(self.memory, now, places, self._starts(frame, block, loop), since, rounds)
         self.memory.enter(Layer(layer))
         return block
+
+    def _is_long(self, frame: Frame, loop: int, kept: Kept, count: int) -> bool:
+        """Whether it is time to follow all values of a loop at once."""
+        again = loop in frame.function.endless
+        if self.hurried:
+            return (again and count > SOON) or self.steps - kept.since > UNROLLED
+        return count > (FEW if again else PATIENCE)
 
     def _goes_on(self, frame: Frame, loop: int, kept: Kept, path: Path) -> None:
         """Nothing new comes of further iterations of a loop."""

@@ -16,7 +16,7 @@ from mauve.wcet.flow.run.memory import Memory
 from mauve.wcet.flow.run.paths import Path, word_at
 from mauve.wcet.flow.run.related import difference
 from mauve.wcet.flow.run.repeats import Kept
-from mauve.wcet.flow.run.words import Ranged
+from mauve.wcet.flow.run.words import Ranged, Some, Word
 
 MOST_SPAN = 1 << 24
 """A word that may move farther says nothing of a loop but how wide a register is."""
@@ -31,6 +31,7 @@ def iterations(memory: Memory, kept: Kept, path: Path, pairs: Pairs, apart: int)
         step = _step(memory, place, kept.path, path)
         if step is not None:
             found += _most(start.range, step)
+        found += _shrinking(start, word_at(memory, place, path))
     for a, b in pairs:
         first, second = word_at(memory, a, kept.path), word_at(memory, b, kept.path)
         if first is None or second is None or not (isinstance(first, Ranged) and isinstance(second, Ranged)):
@@ -40,6 +41,19 @@ def iterations(memory: Memory, kept: Kept, path: Path, pairs: Pairs, apart: int)
         if values is not None and one is not None and other is not None:
             found += _most(values, domain.sub(one, other))
     return (min(found) + 1) * apart - 1 if found else None
+
+
+def _shrinking(start: Ranged, after: Word | None) -> list[int]:
+    """How often a word can become a part of itself before it is zero, which it is in no further iteration."""
+    if type(after) is not Some or type(start) is not Some or after.part is None or 0 in after.range:
+        return []
+    whole, a, b = after.part
+    if whole.base is not start.base or whole.offset != start.offset or 2 * a > b:
+        return []
+    most, times = start.range.unsigned_bounds()[1], 0
+    while most:
+        most, times = most * a // b, times + 1
+    return [times]
 
 
 def _step(memory: Memory, place: Where, before: Path, path: Path) -> Range | None:

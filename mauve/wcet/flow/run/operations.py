@@ -5,7 +5,7 @@ from __future__ import annotations
 from mauve.wcet.binary.microop import Op
 from mauve.wcet.flow import domain
 from mauve.wcet.flow.domain import MODULUS
-from mauve.wcet.flow.run.words import MASK, SIGN, WILD, Word, made, range_of
+from mauve.wcet.flow.run.words import MASK, SIGN, WILD, Word, made, part_of, range_of
 
 
 def binary(op: Op, a: Word, b: Word) -> Word:
@@ -51,7 +51,12 @@ def rotate(a: Word, b: Word) -> Word:
 
 def high_unsigned(a: Word, b: Word) -> Word:
     """UMULH."""
-    return a * b >> 32 if type(a) is int and type(b) is int else binary(Op.UMULH, a, b)
+    if type(a) is int and type(b) is int:
+        return a * b >> 32
+    found = binary(Op.UMULH, a, b)
+    return (
+        part_of(found, a, b, MODULUS) if type(b) is int else part_of(found, b, a, MODULUS) if type(a) is int else found
+    )
 
 
 def high_signed(a: Word, b: Word) -> Word:
@@ -87,7 +92,8 @@ def divide(a: Word, b: Word) -> Word:
     """UDIV."""
     if type(a) is int and type(b) is int:
         return a // b if b else 0
-    return binary(Op.UDIV, a, b)
+    found = binary(Op.UDIV, a, b)
+    return part_of(found, a, 1, b) if type(b) is int and b > 1 else found
 
 
 def leading_zeros(a: Word) -> Word:

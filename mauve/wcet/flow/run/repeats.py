@@ -32,15 +32,19 @@ ends."""
 @dataclass(slots=True)
 class Kept:
     """A path as it was at the header of a loop. `uses` is how often each word occurs in it, by the identity of its
-    base; `starts` are the words in it that the function compares, `rounds` how often it was made wider."""
+    base; `starts` are the words in it that the function compares, `since` the work done before the first
+    such path of the loop, `rounds` how often it was made wider."""
 
     path: Path
     uses: dict[int, int]
     starts: Starts
+    since: int = 0
     rounds: int = 0
 
 
-def keep(memory: Memory, path: Path, places: Sequence[Where], outer: Starts = (), rounds: int = 0) -> Kept:
+def keep(
+    memory: Memory, path: Path, places: Sequence[Where], outer: Starts = (), since: int = 0, rounds: int = 0
+) -> Kept:
     """Remember a path with the words at `places`; its layer is not written to any more. What words in its registers
     tell of other words is forgotten, on the path as well: of a later iteration it need not be so. `outer` are the
     starts of loops around."""
@@ -62,7 +66,7 @@ def keep(memory: Memory, path: Path, places: Sequence[Where], outer: Starts = ()
     registers[RELATED] = {key: pair for key, pair in related.items() if key[0] in wanted and key[1] in wanted}
     found = [(place, word_at(memory, place, path)) for place in places]
     starts = [(place, word) for place, word in found if isinstance(word, Ranged)]
-    return Kept(Path(path.block, registers[:], path.layer, path.counters.copy()), uses, starts, rounds)
+    return Kept(Path(path.block, registers[:], path.layer, path.counters.copy()), uses, starts, since, rounds)
 
 
 def changed(kept: Kept, path: Path) -> list[Where]:
@@ -110,11 +114,12 @@ class _Places:
         base, at = base_of(word)
         if base is not wide.base and (wide.base.terms is not None or (type(wide) is Some and wide.low is not None)):
             return False
-        instead = base, (at - wide.offset) & MASK
+        moved = (at - wide.offset) & MASK
         key = id(wide.base)
         self._seen[key] = self._seen.get(key, 0) + 1
         self._words[key] = word if not wide.offset else word - wide.offset
-        return self._found.setdefault(key, instead) == instead
+        known = self._found.setdefault(key, (base, moved))
+        return known[0] is base and known[1] == moved
 
     def complete(self) -> bool:
         """Whether no word that became another stands anywhere else."""

@@ -138,13 +138,14 @@ class Ranged(Unknown):
 
 class Some(Ranged):
     """One word out of a range that is no address in the stack. `low` (a word, bits, shift): it is that many low bits of
-    the word, shifted to the left."""
+    the word, shifted to the left. `part` (a word, a, b): it is at most a/b of the word, as numbers without sign."""
 
-    __slots__ = ("low",)
+    __slots__ = ("low", "part")
 
     def __init__(self, values: Range, root: Ranged | None = None, offset: int = 0) -> None:
         super().__init__(values, root, offset)
         self.low: tuple[Some, int, int] | None = None
+        self.part: tuple[Some, int, int] | None = None
 
     def _with(self, op: Op, other: object, *, swapped: bool = False) -> Word:
         values = range_of(other)
@@ -186,7 +187,8 @@ class Some(Ranged):
         return found
 
     def __rshift__(self, other: object) -> Word:
-        return self._with(Op.LSR, other)
+        found = self._with(Op.LSR, other)
+        return part_of(found, self, 1, 1 << other) if type(other) is int and other < 32 else found
 
     def __or__(self, other: object) -> Word:  # type: ignore[override]
         return self if other is self else self._with(Op.OR, other)
@@ -266,6 +268,16 @@ class Some(Ranged):
 
     def __repr__(self) -> str:
         return repr(self.range)
+
+
+def part_of(word: Word, whole: Word, a: int, b: int) -> Word:
+    """The same word, which is at most a/b of a whole one."""
+    if type(word) is Some and type(whole) is Some and a < b:
+        word.part = whole, a, b
+        if whole.part is not None:
+            more, c, d = whole.part
+            word.part = more, a * c, b * d
+    return word
 
 
 def _less_a_bit(word: Some) -> Word:
