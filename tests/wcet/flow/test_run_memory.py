@@ -14,14 +14,13 @@ from hypothesis import strategies as st
 
 from mauve.wcet.binary.elf import Binary, Segment, load
 from mauve.wcet.flow import domain
-from mauve.wcet.flow.run.layers import branch, release
-from mauve.wcet.flow.run.memory import Given, Lost, Memory
-from mauve.wcet.flow.run.narrow import within
 from mauve.wcet.flow.run.compared import Compared, Register
 from mauve.wcet.flow.run.compile import RELATED
 from mauve.wcet.flow.run.flags import CS, EQ, GE, GT, HI, Flags, Source
+from mauve.wcet.flow.run.layers import branch, release
 from mauve.wcet.flow.run.machine import Machine
-from mauve.wcet.flow.run.narrow import told
+from mauve.wcet.flow.run.memory import Given, Lost, Memory
+from mauve.wcet.flow.run.narrow import told, within
 from mauve.wcet.flow.run.paths import Counters, Meeting
 from mauve.wcet.flow.run.paths import Path as Way
 from mauve.wcet.flow.run.related import base_of, told_apart
