@@ -25,19 +25,16 @@ from mauve.wcet.binary.microop import (
 CORE = 15
 """Registers r0 to r14."""
 _ALL = (1 << CORE) - 1
-_SCRATCH = 1 << 12
-"""r12 holds nothing for the caller when a function returns (AAPCS 6.1.1)."""
 
 
 def dead_registers(cfg: Cfg) -> list[tuple[int, ...]]:
-    """Per block the registers that nothing reads from its start on before they are written. A callee may read all."""
+    """Per block the registers that nothing reads from its start on before they are written. A callee or a
+    caller may read all."""
     following: dict[int, list[int]] = {}
     behind = [0] * len(cfg.blocks)
     for edge in cfg.edges:
-        if edge.kind in (EdgeKind.CALL, EdgeKind.TAIL_CALL) or edge.callees:
+        if edge.kind in (EdgeKind.CALL, EdgeKind.TAIL_CALL, EdgeKind.RETURN) or edge.callees:
             behind[edge.source] = _ALL
-        elif edge.kind is EdgeKind.RETURN:
-            behind[edge.source] |= _ALL & ~_SCRATCH
         if edge.target >= 0:
             following.setdefault(edge.source, []).append(edge.target)
     entering = [_before(block.instructions, behind[block.id]) for block in cfg.blocks]

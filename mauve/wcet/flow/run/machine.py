@@ -614,7 +614,7 @@ class Machine:
                 places = list(dict.fromkeys([*places, *changed(kept, path)]))
                 frame.loose.add(loop)
                 self._take(frame, path)
-            elif count < 2 * kept.path.counters.current[loop] and not self.hurried:
+            elif count < 2 * kept.path.counters.current[loop]:
                 return block
             release(kept.path.layer)
         layer = self.memory.layer

@@ -19,8 +19,9 @@ from mauve.wcet.flow.run.words import Ranged, Some, Stack, Stacks, Word, offsets
 Related: TypeAlias = dict[tuple[int, int], tuple[Ranged, Ranged, Range]]
 """By the identities of two bases: the bases, and the values of the first less the second. Never changed in place."""
 
-MOST = 32
-"""Pairs of words that a path knows something of."""
+MOST, FAR, WIDE = 32, 1 << 16, 1 << 12
+"""Pairs of words that a path knows something of; how far apart two of them may lie; how many values both may have where
+nothing is known of their difference so far: more tell of data, not of how far a loop has come."""
 
 
 # ------------------------------------------------------------------------------------------------------ differences
@@ -43,14 +44,17 @@ def difference(a: Word, b: Word, related: Related) -> Range | None:
 
 def _is_known(a: Word, b: Word, related: Related) -> bool:
     """Whether more is known of a - b than the values of both tell."""
-    from_a, _ = base_of(a)
-    from_b, _ = base_of(b)
+    if not isinstance(a, Ranged) or not isinstance(b, Ranged):
+        return type(a) is type(b) and type(a) in (int, Stack)
+    from_a, from_b = a.base, b.base
     if from_a is from_b:
         return True
-    if from_a is None or from_b is None:
-        return False
     key = id(from_a), id(from_b)
     return key in related or key[::-1] in related or from_a.terms is not None or from_b.terms is not None
+
+
+def _is_near(word: Word) -> bool:
+    return not isinstance(word, Ranged) or word.range.span < WIDE
 
 
 def _both(a: Word, b: Word) -> tuple[Range | None, Range | None]:
@@ -109,6 +113,8 @@ def told_apart(
     a, b = flags.a, flags.b
     if flags.source is not Source.DIFFERENCE or type(a) is int or type(b) is int:
         return [], related
+    if not _is_known(a, b, related) and not (_is_near(a) and _is_near(b)):
+        return [], related
     before = difference(a, b, related)
     if before is None:
         return [], related
@@ -124,7 +130,7 @@ def told_apart(
             return None
         if isinstance(word, Ranged) and met.size < values.size:
             changes.append((word, met))
-    if kept.span < domain.sub(first, second).span:
+    if kept.span < min(domain.sub(first, second).span, FAR):
         related = with_difference(a, b, kept, related)
     return changes, related
 
@@ -219,13 +225,13 @@ def _met(
         return found
     if (id(c.base), id(z.base)) in found or (id(z.base), id(c.base)) in found:
         return found
-    if not always and not (_is_known(a, x, one) or _is_known(b, y, other)):
+    if not (_is_known(a, x, one) or _is_known(b, y, other) or (always and _is_near(c) and _is_near(z))):
         return found
     here, there = difference(a, x, one), difference(b, y, other)
     if here is None or there is None:
         return found
     values = combine(here, there)
-    if values.span >= min(c.range.span + z.range.span, MASK):
+    if values.span >= min(c.range.span + z.range.span, FAR):
         return found
     return with_difference(c, z, values, found)
 
