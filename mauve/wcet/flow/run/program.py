@@ -28,7 +28,7 @@ from mauve.wcet.flow.run.narrow import within
 from mauve.wcet.flow.run.remembered import closed
 from mauve.wcet.result import Origin, Problem, ProblemKind
 
-STEPS = 50_000_000
+STEPS = 25_000_000
 """Instructions that a run may execute."""
 
 METHOD = "run from the linked data"

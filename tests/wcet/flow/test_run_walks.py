@@ -1,0 +1,79 @@
+"""Runs on unknown inputs: walks to ends that data decide, value by value and for all values at once."""
+
+from __future__ import annotations
+
+from functools import cache
+from pathlib import Path
+from random import Random
+
+import pytest
+
+from mauve.wcet.binary.elf import Binary, load
+from mauve.wcet.flow.facts import AssumeFact, AtSymbol
+from mauve.wcet.flow.program import Programs
+from mauve.wcet.flow.result import ProgramFlow
+from mauve.wcet.flow.run import program
+from tests.emulator import Emulator
+from tests.wcet.soundness.replay import Replay, record
+
+WALKS = Path(__file__).parent / "walks"
+IMAGES = {"arm7tdmi-O0": "arm7tdmi", "cortex-m3-O2": "cortex-m3"}
+INPUTS = (
+    AssumeFact(AtSymbol("text"), None, None, 0),
+    AssumeFact(AtSymbol("length"), 0, 24, 1),
+    AssumeFact(AtSymbol("samples"), None, None, 0),
+    AssumeFact(AtSymbol("number"), None, None, 0),
+)
+NAMES = ("split", "measure", "reverse", "sort")
+
+
+@cache
+def image(name: str) -> Binary:
+    found = load(WALKS / f"{name}.elf")
+    assert isinstance(found, Binary)
+    return found
+
+
+def analysed(name: str, function: str) -> ProgramFlow:
+    binary = image(name)
+    return Programs(binary, INPUTS, initial_data=True).program(binary.function(function).key)
+
+
+def replayed(name: str, function: str, flow: ProgramFlow) -> Replay:
+    """Executions on random inputs beside what the analysis says."""
+    emulator, replay = Emulator(WALKS / f"{name}.elf", IMAGES[name]), Replay(flow, ())
+    for seed in range(12):
+        random = Random(seed)
+        emulator.reset()
+        letters = b",,ab" if seed % 2 else bytes(range(256))
+        for symbol, data in (
+            ("text", bytes(random.choice(letters) for _ in range(24))),
+            ("length", bytes([random.choice([0, 24, random.randrange(25)])])),
+            ("samples", random.randbytes(40)),
+            ("number", random.choice([b"\0" * 4, b"\xff" * 4, random.randbytes(4)])),
+        ):
+            emulator.write(emulator.by_name[symbol].address, data)
+        replay.walk(record(emulator, function, []))
+    return replay
+
+
+@pytest.mark.parametrize("function", NAMES)
+@pytest.mark.parametrize("name", IMAGES)
+def test_each_loop_has_a_bound_that_no_input_exceeds(name: str, function: str) -> None:
+    flow = analysed(name, function)
+    assert not flow.problems and not any(found.problems for found in flow.functions.values())
+    assert not replayed(name, function, flow).wrong
+    mine = [found for found in flow.functions.values() if found.cfg.name == function]
+    most = {"split": 25, "measure": 24, "reverse": 11, "sort": 20}[function]
+    assert all(bound.bound <= most for found in mine for bound in found.bounds.values())
+
+
+@pytest.mark.parametrize("function", NAMES)
+@pytest.mark.parametrize("name", IMAGES)
+def test_what_is_short_of_time_follows_all_values_at_once(
+    name: str, function: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(program, "STEPS", 300_000)
+    flow = analysed(name, function)
+    assert not replayed(name, function, flow).wrong
+    assert any(found.bounds for found in flow.functions.values())
