@@ -135,8 +135,8 @@ def observed(
             continue
         runs += 1
         executed.update(run.addresses)
-        cycles = replay.walk(run)
-        walked = max(walked, *(cycles or (0,)))
+        if program.entry in program.functions:  # else the time was over before there was any graph
+            walked = max(walked, *(replay.walk(run) or (0,)))
     done = {key for key, bound in bounds.items() if bound.cycles is not None}
     return {
         "runs": runs,
@@ -178,7 +178,9 @@ def timed(path: Path, manifest: Manifest, core_name: str, runs: int) -> int:
 
 
 def outside(program: ProgramFlow, executed: set[int]) -> list[int]:
-    """The first executed addresses that no block of any graph covers."""
+    """The first executed addresses that no block of any graph covers, where there are graphs."""
+    if not program.functions:
+        return []
     inside = {i.address for f in program.functions.values() for b in f.cfg.blocks for i in b.instructions}
     return sorted(executed - inside)[:100]
 
