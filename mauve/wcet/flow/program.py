@@ -34,6 +34,7 @@ from mauve.wcet.hardware.board import Board
 from mauve.wcet.result import Problem, ProblemKind
 
 if TYPE_CHECKING:
+    from mauve.wcet.flow.run.memory import Given as Start
     from mauve.wcet.flow.run.program import Ran
 
 ASSUMPTIONS = (
@@ -126,6 +127,8 @@ class Programs:
             analysed = self._analysed(entry_key, deadline)
         except OutOfTime as reason:
             return self._unfinished(entry_key, reason, timeout) if ran is None else ran
+        if not self._initial_data and _open(analysed):
+            ran = self._run(entry_key, deadline)
         if ran is None:
             return analysed
         ran, analysed = better(ran, analysed), better(analysed, ran)
@@ -154,9 +157,9 @@ class Programs:
         return ProgramFlow((entry, ""), {}, (problem,), (), (*ASSUMPTIONS, *self._given.assumed.sentences))
 
     def _run(self, entry: int, deadline: float | None) -> ProgramFlow | None:
-        """The program executed from its linked data; None where that could not go on to its end."""
+        """The program executed from its linked data, or from any; None where that could not go on to its end."""
         from mauve.wcet.flow.run.memory import Given as Start
-        from mauve.wcet.flow.run.program import Source, run_program
+        from mauve.wcet.flow.run.program import STEPS, Source, run_program
 
         assumed = self._given.assumed
         given = [
@@ -165,6 +168,9 @@ class Programs:
             else Start(one.start, one.end)
             for one in assumed.memory
         ]
+        steps = STEPS
+        if not self._initial_data:
+            given, steps = [*given, *self._anything(given)], FEW_STEPS
         found: dict[int, frozenset[int]] = {}
         # Unknown values that decide fork a run, which may end nowhere: the other analyses need time as well.
         now = monotonic()
@@ -173,16 +179,31 @@ class Programs:
             functions = self._functions({address: tuple(sorted(targets)) for address, targets in found.items()})
             functions.limits = replace(functions.limits, deadline=until)
             try:
-                ran = run_program(Source(functions, entry, assumed.arguments, until), entry, until, given=given)
+                ran = run_program(Source(functions, entry, assumed.arguments, until), entry, until, given=given, steps=steps)
             except OutOfTime:
                 return None
             if ran.flows is not None:
-                return _with_facts(ran, self._given)
+                return _with_facts(ran, self._given, (RAN,) if self._initial_data else ())
             grown = {at: found.get(at, frozenset()) | more for at, more in ran.targets.items()}
             if all(found.get(at) == targets for at, targets in grown.items()):
                 return None
             found |= grown
         return None
+
+    def _anything(self, given: Sequence[Start]) -> list[Start]:
+        """The data that a codel may find in any state: all that can be written and is not `given`."""
+        from mauve.wcet.flow.run.memory import Given as Start
+
+        found = []
+        for segment in self._binary.segments:
+            start = segment.address
+            for one in sorted(given, key=lambda one: one.start) if segment.writable else ():
+                if start < one.start < segment.end:
+                    found.append(Start(start, one.start))
+                start = max(start, one.end)
+            if segment.writable and start < segment.end:
+                found.append(Start(start, segment.end))
+        return found
 
     def _functions(self, targets: Targets) -> Functions:
         """The functions with the targets that were found so far; what many entries have left is dropped in time."""
@@ -338,7 +359,7 @@ def _open(flow: ProgramFlow) -> int:
     return len(flow.problems) + sum(len(function.problems) for function in flow.functions.values())
 
 
-def _with_facts(ran: Ran, given: Given) -> ProgramFlow:
+def _with_facts(ran: Ran, given: Given, also: tuple[str, ...]) -> ProgramFlow:
     """The contexts of a run with what flow facts state of their loops."""
     assert ran.flows is not None
     flows: dict[ContextKey, FunctionFlow] = {}
@@ -352,12 +373,14 @@ def _with_facts(ran: Ran, given: Given) -> ProgramFlow:
         notes |= dict.fromkeys(given.compare(flow.cfg, flow.nest, {k: b.bound for k, b in flow.bounds.items()}))
         bounds = {k: min(b, stated.bounds.get(k, b), key=lambda bound: bound.bound) for k, b in flow.bounds.items()}
         flows[key] = replace(flow, bounds=bounds) if stated.bounds else flow
-    assumptions = (*ASSUMPTIONS, RAN, *given.assumed.sentences)
+    assumptions = (*ASSUMPTIONS, *also, *given.assumed.sentences)
     remarks = (*notes, *given.unused(matched))
     return ProgramFlow(ran.entry, flows, tuple(problems), remarks, assumptions)
 
 
 RAN = "the program starts with the data it is linked with, and runs once"
+FEW_STEPS = 4_000_000
+"""Instructions of a run from any data: it is short of time from the start, and follows all values at once soon."""
 FOR_RUNS = 3
 """A run with unknown data gets at most one part in so many of the time."""
 RUNS = 16

@@ -10,7 +10,7 @@ import pytest
 
 from mauve.wcet.binary.elf import Binary, load
 from mauve.wcet.flow.facts import AssumeFact, AtSymbol
-from mauve.wcet.flow.program import Programs
+from mauve.wcet.flow.program import RAN, Programs
 from mauve.wcet.flow.result import ProgramFlow
 from mauve.wcet.flow.run import program
 from tests.emulator import Emulator
@@ -77,3 +77,13 @@ def test_what_is_short_of_time_follows_all_values_at_once(
     flow = analysed(name, function)
     assert not replayed(name, function, flow).wrong
     assert any(found.bounds for found in flow.functions.values())
+
+
+@pytest.mark.parametrize("name", IMAGES)
+def test_what_may_start_in_any_state_is_run_from_unknown_data(name: str) -> None:
+    binary = image(name)
+    flow = Programs(binary, INPUTS).program(binary.function("split").key)
+    assert not flow.problems and RAN not in flow.assumptions
+    assert not replayed(name, "split", flow).wrong
+    (mine,) = (found for found in flow.functions.values() if found.cfg.name == "split")
+    assert mine.bounds and not mine.problems and all(bound.bound <= 25 for bound in mine.bounds.values())

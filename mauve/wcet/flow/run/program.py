@@ -174,9 +174,11 @@ def run_program(
     deadline: float | None,
     most: int = MOST,
     given: Sequence[Given] = (),
+    steps: int = STEPS,
 ) -> Ran:
     """Run a program from `entry` (a key) with its linked data, unknown registers and an unknown stack; `most` contexts
-    of a function are told apart. `given` are stretches of data of which the linked content does not count.
+    of a function are told apart. `given` are stretches of data of which the linked content does not count, `steps` the
+    instructions that may be executed.
 
     Where that leaves a loop open, the program runs once for each of the values that numbers in `given` can have, if
     they are few.
@@ -184,11 +186,11 @@ def run_program(
     cases = _cases(given)
     now = monotonic()
     until = deadline if deadline is None or len(cases) == 1 else now + (deadline - now) / FOR_RANGES
-    ran = _run(source, entry, until, most, [list(given)])
+    ran = _run(source, entry, until, most, [list(given)], steps)
     left_open = ran.flows is None or any(flow.problems for flow in ran.flows.values())
     if not left_open or ran.targets or len(cases) == 1:
         return ran
-    apart = _run(source, entry, deadline, most, cases)
+    apart = _run(source, entry, deadline, most, cases, steps)
     return ran if apart.flows is None and not apart.targets else apart
 
 
@@ -204,12 +206,14 @@ def _cases(given: Sequence[Given]) -> list[list[Given]]:
     return cases
 
 
-def _run(source: Source, entry: int, deadline: float | None, most: int, cases: list[list[Given]]) -> Ran:
+def _run(
+    source: Source, entry: int, deadline: float | None, most: int, cases: list[list[Given]], steps: int
+) -> Ran:
     """Run a program once for each case; the result covers all."""
     source.deadline = deadline
     started = monotonic()
     memory, behaviours = Memory(source.binary, source.unaligned, cases[0]), Behaviours(most)
-    machine = Machine(source, memory, behaviours, STEPS, deadline)
+    machine = Machine(source, memory, behaviours, steps, deadline)
     key: ContextKey = (entry, "")
     numbers = []
     try:
@@ -225,7 +229,7 @@ def _run(source: Source, entry: int, deadline: float | None, most: int, cases: l
     if source.unstructured:
         for key_, taken in behaviours.taken(source.unstructured).items():
             source.restrict(key_, taken)
-        return _run(source, entry, deadline, most, cases)
+        return _run(source, entry, deadline, most, cases, steps)
     settled = behaviours.settle(behaviours.together(numbers))
     if settled is None:
         return Ran(None, key, _found(machine), "calls go round in circles")
