@@ -79,11 +79,12 @@ def test_what_is_short_of_time_follows_all_values_at_once(
     assert any(found.bounds for found in flow.functions.values())
 
 
+@pytest.mark.parametrize("function", ["split", "measure"])
 @pytest.mark.parametrize("name", IMAGES)
-def test_what_may_start_in_any_state_is_run_from_unknown_data(name: str) -> None:
+def test_what_may_start_in_any_state_is_run_from_unknown_data(name: str, function: str) -> None:
     binary = image(name)
-    flow = Programs(binary, INPUTS).program(binary.function("split").key)
+    flow = Programs(binary, INPUTS).program(binary.function(function).key)
     assert not flow.problems and RAN not in flow.assumptions
-    assert not replayed(name, "split", flow).wrong
-    (mine,) = (found for found in flow.functions.values() if found.cfg.name == "split")
+    assert not replayed(name, function, flow).wrong
+    (mine,) = (found for found in flow.functions.values() if found.cfg.name == function)
     assert mine.bounds and not mine.problems and all(bound.bound <= 25 for bound in mine.bounds.values())
