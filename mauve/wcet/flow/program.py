@@ -179,7 +179,8 @@ class Programs:
             functions = self._functions({address: tuple(sorted(targets)) for address, targets in found.items()})
             functions.limits = replace(functions.limits, deadline=until)
             try:
-                ran = run_program(Source(functions, entry, assumed.arguments, until), entry, until, given=given, steps=steps)
+                source = Source(functions, entry, assumed.arguments, until)
+                ran = run_program(source, entry, until, given=given, steps=steps)
             except OutOfTime:
                 return None
             if ran.flows is not None:
