@@ -18,7 +18,7 @@ from mauve.wcet.flow.run.compared import Compared, Register
 from mauve.wcet.flow.run.compile import RELATED
 from mauve.wcet.flow.run.flags import CS, EQ, GE, GT, HI, Flags, Source
 from mauve.wcet.flow.run.layers import branch, release
-from mauve.wcet.flow.run.machine import Machine
+from mauve.wcet.flow.run.learn import learn
 from mauve.wcet.flow.run.memory import Given, Lost, Memory
 from mauve.wcet.flow.run.narrow import told, within
 from mauve.wcet.flow.run.paths import Counters, Meeting
@@ -267,9 +267,7 @@ class Trial:
         flags = Flags(Source.DIFFERENCE, a, b)
         alone, apart = told(flags, code, is_true), told_apart(flags, code, is_true, registers[RELATED])
         assert alone is not None and apart is not None
-        machine = object.__new__(Machine)
-        machine.registers, machine.memory = registers, self.memory
-        machine._narrow(alone + apart[0])
+        learn(registers, self.memory, alone + apart[0])
         registers[RELATED] = apart[1]
         self.compare(path)
 

@@ -15,8 +15,6 @@ from typing import Any
 
 from mauve.wcet.binary.graph import EXIT, EdgeKind
 from mauve.wcet.binary.microop import CompareBranch, IndirectCall, IndirectJump, Stop
-from mauve.wcet.flow import domain
-from mauve.wcet.flow.domain import Range
 from mauve.wcet.flow.run.behaviour import Behaviours
 from mauve.wcet.flow.run.compile import ASKED, ASSUMED, DEPTH, DYNAMIC, RELATED, TARGET, Sites
 from mauve.wcet.flow.run.flags import Flags
@@ -34,14 +32,14 @@ from mauve.wcet.flow.run.frames import (
     prepare,
 )
 from mauve.wcet.flow.run.layers import Layer, branch, release
-from mauve.wcet.flow.run.measure import iterations
+from mauve.wcet.flow.run.learn import learn
+from mauve.wcet.flow.run.long_loops import ASKING, arrive, starts_of
 from mauve.wcet.flow.run.memory import Lost, Memory
-from mauve.wcet.flow.run.narrow import Told, narrower, told, within
-from mauve.wcet.flow.run.paths import Counters, Meeting, Path, Starts
+from mauve.wcet.flow.run.narrow import Told, told, within
+from mauve.wcet.flow.run.paths import Counters, Meeting, Path
 from mauve.wcet.flow.run.related import told_apart
 from mauve.wcet.flow.run.remembered import ARGUMENTS, MOST_APART, RESULTS, Call, computed, result_of
-from mauve.wcet.flow.run.repeats import Kept, changed, includes, is_less, keep, widen
-from mauve.wcet.flow.run.words import UNKNOWN, WILD, Ranged, Some, Stack, Undecided, Word, fresh, is_wild, made
+from mauve.wcet.flow.run.words import UNKNOWN, WILD, Some, Stack, Undecided, Word, fresh, is_wild, made
 
 MOST_DEPTH = 1_500
 """Calls inside each other."""
@@ -51,12 +49,6 @@ OFTEN = 30_000
 """Instructions after which the clock is looked at."""
 FORK = 1_000
 """A fork counts as so many instructions."""
-LOOKING, ASKING, PATIENCE, FEW = 24, 400, 3_000, 40
-"""Iterations of a loop that unknown values do not end: after so many it is compared with earlier ones, then a proof of
-its bound is asked for, and then (after few, for one that was found to go on before) all values are followed at once."""
-SOON, UNROLLED = 2, 60_000
-"""The same when time runs short: iterations of a loop in which all values were followed at once before, and the work
-for others."""
 UNHURRIED = 2
 """After one part in so many of the work or time that is allowed, loops are followed for all values at once."""
 MOST_TARGETS = 64
@@ -261,14 +253,14 @@ class Machine:
         # A path with values that no execution has may go on for ever.
         asks = frame.open.get(loop, 0) > ASKING or (count % LONG == 0 and self.parted)
         if asks or loop in frame.function.limits:
-            limit = self._limit(frame.function, loop)
+            limit = self.limit_of(frame.function, loop)
             if limit is not None and count > limit:
                 raise Impossible
         now.current[loop] = count
         if count > now.most[loop]:
             now.most[loop] = count
 
-    def _limit(self, function: Function, loop: int) -> int | None:
+    def limit_of(self, function: Function, loop: int) -> int | None:
         """A bound of a loop, whatever the function is called with."""
         if loop not in function.limits:
             function.limits[loop] = self.source.bound(function.key, loop)
@@ -384,7 +376,7 @@ class Machine:
         place = self._place(frame, block)
         if not frame.places or place < frame.places[0]:
             try:
-                return self._arrive(frame, block)
+                return arrive(self, frame, block)
             except Impossible:
                 self._leave(frame, counts=False)
         else:
@@ -402,28 +394,22 @@ class Machine:
             heappush(frame.places, place)
         else:
             frame.waiting[place] = Meeting(self.memory).join(
-                other, path, frame.function.compared.pairs, self._starts(frame, path.block)
+                other, path, frame.function.compared.pairs, starts_of(frame, path.block)
             )
-
-    def _starts(self, frame: Frame, block: int, but: int | None = None) -> Starts:
-        """The words that were there when an iteration around a block began, of loops (`but` one) that go on and on."""
-        if not frame.kept or block == EXIT:
-            return ()
-        around = (loop for _, loop in frame.function.around[block][0] if loop in frame.kept and loop != but)
-        return [start for loop in around for start in frame.kept[loop].starts]
 
     def _next(self, frame: Frame) -> int:
         """Go on with the path that is furthest behind: the block where it is. Raises Ended where no path is left."""
         while frame.places:
             path = frame.waiting.pop(heappop(frame.places))
-            self._take(frame, path)
+            self.take(frame, path)
             try:
-                return self._arrive(frame, path.block)
+                return arrive(self, frame, path.block)
             except Impossible:
                 self._leave(frame, counts=False)
         raise Ended
 
-    def _take(self, frame: Frame, path: Path) -> None:
+    def take(self, frame: Frame, path: Path) -> None:
+        """Go on with a path."""
         self.registers, frame.now = path.registers, path.counters
         self.memory.enter(path.layer)
 
@@ -471,7 +457,7 @@ class Machine:
                 found, related = alone + apart[0], apart[1]
             self.registers, frame.now = start[:], now.copy()
             self.memory.enter(branch(layer))
-            self._narrow(found)
+            learn(self.registers, self.memory, found)
             self.registers[RELATED] = related
             ways += self._try(frame, block, way, ways)
         release(layer)
@@ -537,35 +523,6 @@ class Machine:
         frame.now.counts[edge] += 1
         return target
 
-    def _narrow(self, found: Told) -> None:
-        """Put what a branch tells in the place of the words that it tells of, and of those that they are sums of."""
-        for word, values in found:
-            self._narrow_all(word, values)
-            addresses = None if word.source is None else self.memory.where(word.source, values)
-            if word.source is not None and addresses is not None:
-                self._narrow_all(word.source.address, addresses)
-            base = word.base
-            for term, other in () if base.terms is None else (base.terms, base.terms[::-1]):
-                rest = domain.sub(domain.shift(values, -word.offset), other.range)
-                if not domain.includes(rest, term.range):
-                    self._narrow_all(term, rest)
-
-    def _narrow_all(self, word: Ranged, values: Range) -> None:
-        """Leave a word, and those with a known distance from it, no other values."""
-        registers, base = self.registers, word.base
-        for register in range(15):
-            old = registers[register]
-            if not isinstance(old, Ranged) or old.base is not base:
-                continue
-            kept = domain.meet(old.range, domain.shift(values, old.offset - word.offset))
-            if kept is not None and kept != old.range:
-                new = narrower(old, kept)
-                registers[register] = new
-                self.memory.narrow(old, new)
-        kept = domain.meet(word.range, values)
-        if kept is not None:
-            self.memory.narrow(word, narrower(word, kept))
-
     def _ways(self, frame: Frame, block: int) -> list[Way]:
         """The edges on which control may leave a block; DYNAMIC for what its last instruction does first."""
         order = frame.function.order
@@ -584,64 +541,6 @@ class Machine:
         for loop in frame.function.exits.get(block, ()):
             frame.open[loop] = frame.open.get(loop, 0) + 1
             frame.function.undecided.add(loop)
-
-    def _arrive(self, frame: Frame, block: int) -> int:
-        """Come to a block. At the header of a loop that goes on and on: raises Impossible where this iteration can do
-        nothing that an earlier one did not do, and has it cover all further ones in the end."""
-        loop = frame.function.headers.get(block)
-        if loop is None or not (self.hurried or frame.open.get(loop, 0) > LOOKING):
-            return block
-        for slot in frame.function.code.stale[block]:
-            self.registers[slot] = UNKNOWN
-        for register in frame.function.dead[block]:
-            self.registers[register] = WILD
-        compared, rounds, since = frame.function.compared, 0, self.steps
-        places = list(compared.places)
-        count = frame.now.current[loop]
-        kept = frame.kept.get(loop)
-        path = Path(block, self.registers, self.memory.layer, frame.now)
-        if kept is not None:
-            since = kept.since
-            wide = self._is_long(frame, loop, kept, count)
-            # Where less and less remains possible, an end may come.
-            if includes(self.memory, kept, path) and (wide or not is_less(self.memory, kept, path)):
-                self._goes_on(frame, loop, kept, path)
-                raise Impossible
-            if wide:
-                path = widen(self.memory, kept, path, compared, self._starts(frame, block, loop))
-                rounds = kept.rounds + 1
-                frame.function.endless.add(loop)
-                places = list(dict.fromkeys([*places, *changed(kept, path)]))
-                frame.loose.add(loop)
-                self._take(frame, path)
-            elif count < 2 * kept.path.counters.current[loop]:
-                return block
-            release(kept.path.layer)
-        layer = self.memory.layer
-        now = Path(block, self.registers, layer, frame.now)
-        frame.kept[loop] = keep(self.memory, now, places, self._starts(frame, block, loop), since, rounds)
-        self.memory.enter(Layer(layer))
-        return block
-
-    def _is_long(self, frame: Frame, loop: int, kept: Kept, count: int) -> bool:
-        """Whether it is time to follow all values of a loop at once."""
-        again = loop in frame.function.endless
-        if self.hurried:
-            return (again and count > SOON) or self.steps - kept.since > UNROLLED
-        return count > (FEW if again else PATIENCE)
-
-    def _goes_on(self, frame: Frame, loop: int, kept: Kept, path: Path) -> None:
-        """Nothing new comes of further iterations of a loop."""
-        frame.loose.add(loop)
-        frame.function.endless.add(loop)
-        before = kept.path.counters.current[loop]
-        apart = path.counters.current[loop] - before
-        more = iterations(self.memory, kept, path, frame.function.compared.pairs, apart)
-        limit = self._limit(frame.function, loop) if more is None else before + more
-        if limit is None:
-            frame.endless.add(loop)
-        else:
-            frame.proven[loop] = max(limit, frame.proven.get(loop, 0))
 
 
 __all__ = ["Machine"]

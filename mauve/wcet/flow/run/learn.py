@@ -1,0 +1,46 @@
+"""What a branch tells, put in the place of the words that it tells of."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from mauve.wcet.flow import domain
+from mauve.wcet.flow.domain import Range
+from mauve.wcet.flow.run.memory import Memory
+from mauve.wcet.flow.run.narrow import Told, narrower
+from mauve.wcet.flow.run.words import Ranged
+
+
+def learn(registers: list[Any], memory: Memory, found: Told) -> None:
+    """Leave words the values that are told of them, and so those that they are sums of, and the addresses that they
+    were read at."""
+    for word, values in found:
+        _leave(registers, memory, word, values)
+        addresses = None if word.source is None else memory.where(word.source, values)
+        if word.source is not None and addresses is not None:
+            _leave(registers, memory, word.source.address, addresses)
+        base = word.base
+        for term, other in () if base.terms is None else (base.terms, base.terms[::-1]):
+            rest = domain.sub(domain.shift(values, -word.offset), other.range)
+            if not domain.includes(rest, term.range):
+                _leave(registers, memory, term, rest)
+
+
+def _leave(registers: list[Any], memory: Memory, word: Ranged, values: Range) -> None:
+    """Leave a word, and those with a known distance from it, no other values."""
+    base = word.base
+    for register in range(15):
+        old = registers[register]
+        if not isinstance(old, Ranged) or old.base is not base:
+            continue
+        kept = domain.meet(old.range, domain.shift(values, old.offset - word.offset))
+        if kept is not None and kept != old.range:
+            new = narrower(old, kept)
+            registers[register] = new
+            memory.narrow(old, new)
+    kept = domain.meet(word.range, values)
+    if kept is not None:
+        memory.narrow(word, narrower(word, kept))
+
+
+__all__ = ["learn"]
