@@ -52,7 +52,7 @@ def keep(
     plain: dict[int, Ranged] = {}
     for number in range(15):
         word = registers[number]
-        if isinstance(word, Ranged) and (word.base.terms is not None or (type(word) is Some and word.low is not None)):
+        if isinstance(word, Ranged) and _tells(word):
             values = domain.shift(word.range, -word.offset)
             base = plain.setdefault(id(word.base), type(word)(values))
             registers[number] = base.moved(word.offset)
@@ -67,6 +67,12 @@ def keep(
     found = [(place, word_at(memory, place, path)) for place in places]
     starts = [(place, word) for place, word in found if isinstance(word, Ranged)]
     return Kept(Path(path.block, registers[:], path.layer, path.counters.copy()), uses, starts, since, rounds)
+
+
+def _tells(word: Ranged) -> bool:
+    """Whether what a branch tells of a word is told of others as well: terms, a whole, an address."""
+    low = word.low if type(word) is Some else None
+    return word.base.terms is not None or word.source is not None or low is not None
 
 
 def changed(kept: Kept, path: Path) -> list[Where]:
@@ -110,9 +116,9 @@ class _Places:
         if not isinstance(wide, Ranged):
             return True
         if type(word) is not int and type(word) is not Stack and not isinstance(word, Ranged):
-            return self._uses.get(id(wide.base)) == 1 and wide.base.terms is None
+            return self._uses.get(id(wide.base)) == 1 and not _tells(wide)
         base, at = base_of(word)
-        if base is not wide.base and (wide.base.terms is not None or (type(wide) is Some and wide.low is not None)):
+        if base is not wide.base and _tells(wide):
             return False
         moved = (at - wide.offset) & MASK
         key = id(wide.base)
