@@ -1,25 +1,29 @@
 """Node splitting: an irreducible graph becomes reducible by copies of blocks.
 
-A region that is entered in more than one place (Duff's device, libgcc's Thumb-1 division) is no loop. Splitting gives
-the blocks that can be entered from outside, and are not the chosen header, a copy each for the entries from outside;
-the copies lead into the region. The graph keeps exactly the paths it had: each copy has the instructions and the ways
-on of its block. (Hecht and Ullman's node splitting; Janssen and Corporaal, "Making graphs reducible with controlled
-node splitting".)
+A region that is entered in more than one place (Duff's device, libgcc's Thumb-1 division, loops through which a
+compiler threaded its jumps) is no loop. Splitting chooses a header for it; the blocks that the entries from outside
+come to before that header get a copy each for these entries, and the copies lead to the header. The graph keeps
+exactly the paths it had: each copy has the instructions and the ways on of its block. (Hecht and Ullman's node
+splitting; Janssen and Corporaal, "Making graphs reducible with controlled node splitting".)
 """
 
 from __future__ import annotations
 
-from collections.abc import Container
+from collections.abc import Collection, Container, Iterator
 from dataclasses import replace
 
 from mauve.wcet.binary.graph import EXIT, Block, Cfg, Edge
-from mauve.wcet.binary.loops import loop_nest
+from mauve.wcet.binary.loops import loop_nest, strong_components
 from mauve.wcet.clock import Deadline, check
 
 GROWTH_LIMIT = 4.0
 """How many times the instructions of the function the result may have."""
 _SMALL = 2000
 """Instructions that are always allowed, whatever the growth."""
+_EFFORT, _FEWEST = 500_000, 8
+"""Edges that are looked at to choose the header of one region, and headers that are tried in any case."""
+_AGAIN = 1
+"""What an instruction counts for in a region that is still irreducible: it will be copied again, perhaps often."""
 
 
 def split_irreducible(cfg: Cfg, growth: float = GROWTH_LIMIT, deadline: Deadline = None) -> Cfg:
@@ -31,9 +35,10 @@ def split_irreducible(cfg: Cfg, growth: float = GROWTH_LIMIT, deadline: Deadline
         before = cfg
         for region in regions:
             check(deadline, cfg.address, cfg.name)
-            attempt = _split(cfg, region)
-            if _size(attempt.blocks) <= allowed:
-                cfg = attempt
+            found = _Region(cfg, region)
+            copied = found.copied()
+            if _size(cfg.blocks) + found.weight(copied) <= allowed:
+                cfg = _copy(cfg, region, copied)
         if cfg is before:
             return cfg
         cfg = _prune(cfg)
@@ -48,39 +53,78 @@ def _size(blocks: tuple[Block, ...]) -> int:
     return sum(len(block.instructions) for block in blocks)
 
 
-def _split(cfg: Cfg, region: frozenset[int]) -> Cfg:
-    """Make one entry of the region its only one: everything reached in the region from its other entries before that
-    header is copied once."""
-    entries = {edge.target for edge in cfg.edges if edge.target in region and edge.source not in region}
-    if cfg.entry in region:
-        entries.add(cfg.entry)
-    following: dict[int, list[int]] = {block: [] for block in region}
-    for edge in cfg.edges:
-        if edge.source in region and edge.target in region:
-            following[edge.source].append(edge.target)
-    best: frozenset[int] | None = None
-    for header in sorted(entries):
-        copied = _before(header, entries - {header}, following)
-        if best is None or _weight(cfg, copied) < _weight(cfg, best):
-            best = copied
-    assert best is not None, "an irreducible region is entered somewhere"
-    return _copy(cfg, region, best)
+class _Region:
+    """An irreducible region: blocks on cycles that are entered at several of them."""
 
+    def __init__(self, cfg: Cfg, blocks: frozenset[int]) -> None:
+        self._blocks = blocks
+        self._weight = {block: len(cfg.blocks[block].instructions) for block in blocks}
+        self._following: dict[int, list[int]] = {block: [] for block in blocks}
+        self._before: dict[int, list[int]] = {block: [] for block in blocks}
+        self._entries = {cfg.entry} & blocks
+        for edge in cfg.edges:
+            if edge.target in blocks and edge.source in blocks:
+                self._following[edge.source].append(edge.target)
+                self._before[edge.target].append(edge.source)
+            elif edge.target in blocks:
+                self._entries.add(edge.target)
 
-def _before(header: int, others: set[int], following: dict[int, list[int]]) -> frozenset[int]:
-    """The blocks of the region that the other entries reach without passing the header."""
-    seen: set[int] = set()
-    work = list(others)
-    while work:
-        block = work.pop()
-        if block != header and block not in seen:
-            seen.add(block)
-            work += following[block]
-    return frozenset(seen)
+    def copied(self) -> frozenset[int]:
+        """The blocks to copy: everything that entries reach before the header that makes that the cheapest.
 
+        Any block of the region can be the header. Where each entry leads to all the others, the best one is often the
+        place at which their ways meet.
+        """
+        best, least = frozenset[int](), -1
+        for header in self._headers():
+            copied = self._until(header)
+            cost = self.weight(copied)
+            if 0 <= least <= cost:
+                continue
+            cost += _AGAIN * sum(self.weight(rest) for rest in self._left(header, copied))
+            if least < 0 or cost < least:
+                best, least = copied, cost
+        return best
 
-def _weight(cfg: Cfg, blocks: frozenset[int]) -> int:
-    return sum(len(cfg.blocks[block].instructions) for block in blocks)
+    def weight(self, blocks: Collection[int]) -> int:
+        """The instructions of some blocks."""
+        return sum(self._weight[block] for block in blocks)
+
+    def _headers(self) -> list[int]:
+        """The blocks to try: the entries and those at which ways meet, as many as there is time for."""
+        edges = sum(len(targets) for targets in self._following.values())
+        meeting = (block for block in self._blocks - self._entries if len(self._before[block]) > 1)
+        ordered = sorted(meeting, key=lambda block: (-len(self._before[block]), block))
+        return [*sorted(self._entries), *ordered][: max(_FEWEST, _EFFORT // edges)]
+
+    def _until(self, header: int) -> frozenset[int]:
+        """The blocks that the other entries reach without passing the header."""
+        seen: set[int] = set()
+        work = list(self._entries)
+        while work:
+            block = work.pop()
+            if block != header and block not in seen:
+                seen.add(block)
+                work += self._following[block]
+        return frozenset(seen)
+
+    def _left(self, header: int, copied: frozenset[int]) -> Iterator[list[int]]:
+        """The cycles that do not pass the header and will be entered in several places, among the blocks and among the
+        copies."""
+        order = sorted(self._blocks - {header})
+        number = {block: index for index, block in enumerate(order)}
+        following = [[number[t] for t in self._following[block] if t != header] for block in order]
+        for component in strong_components(following, range(len(order))):
+            if len(component) == 1:
+                continue
+            cycle = {order[index] for index in component}
+            outside = {b for b in cycle if any(source not in cycle for source in self._before[b])}
+            if len(outside) > 1:
+                yield list(cycle)
+            if cycle <= copied:
+                inside = {b for b in cycle if any(s in copied and s not in cycle for s in self._before[b])}
+                if len(inside | (self._entries & cycle)) > 1:
+                    yield list(cycle)
 
 
 def _copy(cfg: Cfg, region: frozenset[int], copied: frozenset[int]) -> Cfg:

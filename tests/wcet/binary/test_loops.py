@@ -117,3 +117,19 @@ def test_the_edges_that_a_run_took_can_leave_a_region_one_entry() -> None:
     nest = loop_nest(kept)
     assert not nest.irreducible and [kept.blocks[loop.header].address for loop in nest.loops] == [cfg.blocks[1].address]
     assert {block.address for block in kept.blocks} == {block.address for block in cfg.blocks}
+
+
+def test_the_header_of_a_threaded_loop_is_where_all_ways_meet() -> None:
+    """An unrolled loop whose steps a compiler made twice, for each value of a flag, entered for both. With an entry as
+    the header what is left would be entered in two places again, step after step."""
+    steps = 12
+    following: list[list[int]] = [[1, 2]]
+    for step in range(steps):
+        after = [2 * step + 3, 2 * step + 4] if step + 1 < steps else [2 * steps + 1]
+        following += [after, after]
+    following += [[1, 2, 2 * steps + 2], []]
+    cfg = graph(following)
+    copy = split_irreducible(cfg)
+    (loop,) = loop_nest(copy).loops
+    assert copy.blocks[loop.header].address == cfg.blocks[2 * steps + 1].address
+    assert len(copy.blocks) == len(cfg.blocks) + 2 * steps
