@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from mauve.wcet.flow.functions import POINTERS
 from mauve.wcet.flow.result import FunctionFlow, LoopBound, ProgramFlow
 from mauve.wcet.result import ProblemKind
 
@@ -14,7 +15,9 @@ Place = tuple[int, int]
 def better(flow: ProgramFlow, other: ProgramFlow) -> ProgramFlow:
     """The first result, with the bounds of the second for loops that have none or a greater one in the first. Both are
     of the same program from the same entry, so what the second says of a loop in all its contexts is so in all of the
-    first."""
+    first, unless the second does not know all calls."""
+    if any(hole.kind in POINTERS for function in other.functions.values() for hole in function.cfg.unresolved):
+        return flow
     found = _bounds(other)
     return replace(flow, functions={key: _with(function, found) for key, function in flow.functions.items()})
 
@@ -23,11 +26,11 @@ def _bounds(flow: ProgramFlow) -> dict[Place, LoopBound | None]:
     """The bound of each loop in all contexts; None where one of them leaves it open."""
     found: dict[Place, LoopBound | None] = {}
     for function in flow.functions.values():
-        left_open = _open(function)
+        left_open, all_open = _open(function), _is_partial(function)
         for loop in function.nest.loops:
             place = function.cfg.key, function.cfg.blocks[loop.header].address
             bound = function.bounds.get(loop.id)
-            if bound is None and place[1] in left_open:
+            if bound is None and (all_open or place[1] in left_open):
                 found[place] = None
             elif bound is not None:
                 known = found.setdefault(place, bound)
@@ -38,6 +41,11 @@ def _bounds(flow: ProgramFlow) -> dict[Place, LoopBound | None]:
 
 def _open(function: FunctionFlow) -> set[int | None]:
     return {problem.address for problem in function.problems if problem.kind is ProblemKind.LOOP}
+
+
+def _is_partial(function: FunctionFlow) -> bool:
+    """Whether a loop without a bound may be reached all the same: the function was not analysed to its end."""
+    return bool(function.nest.irreducible) or any(p.kind is not ProblemKind.LOOP for p in function.problems)
 
 
 def _with(function: FunctionFlow, found: dict[Place, LoopBound | None]) -> FunctionFlow:

@@ -127,11 +127,9 @@ class Contexts:
 
     def _promising(self, key: int, state: State, depth: int, family: Family, caller: tuple[int, State]) -> bool:
         """Whether one more context of a function is worth its time."""
-        if key in family.lost:
-            return False
-        if not tells(state):
-            return False
         functions = self._functions
+        if key in family.lost or not tells(state) or functions.is_leaving():
+            return False
         if functions.takes_angle(key) and not functions.incomplete(key) and not _tells_angle(state):
             return False
         mine = family.asked.get(key, {})
@@ -204,6 +202,10 @@ class Contexts:
         """A function as it is for every call."""
         return self._functions.default(key)
 
+    def is_leaving(self) -> bool:
+        """Whether no time is left for further contexts."""
+        return self._functions.is_leaving()
+
     def gains(self, key: int) -> bool:
         """Whether something could come of knowing the states of a function's calls."""
         functions = self._functions
@@ -255,7 +257,7 @@ class _Join:
     def settle(self, key: int) -> None:
         """Analyse a function in the join of the states that have arrived."""
         state = self.arriving.pop(key)
-        if tells(state):
+        if tells(state) and not self.contexts.is_leaving():
             found = self.found[key] = self.contexts.entered_in(key, state, self.family)
             self.enter(found)
         else:

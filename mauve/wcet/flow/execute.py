@@ -57,7 +57,9 @@ MOST_SPLITS = 8
 
 
 class Execution:
-    """One abstract execution of one function. `cut_short` are loops that more steps might bring further."""
+    """One abstract execution of one function. `cut_short` are loops that more steps might bring further. With an
+    `earlier` execution from the same state that stepped through no loop, one that cannot be stepped to its end is
+    passed from the header found there."""
 
     def __init__(
         self,
@@ -68,10 +70,12 @@ class Execution:
         thresholds: Sequence[int],
         known: dict[int, int] | None = None,
         deadline: float | None = None,
+        earlier: Record | None = None,
     ) -> None:
         self.order, self.image, self.calls, self.policy, self.thresholds = order, image, calls, policy, thresholds
         self.known = known or {}
         self.deadline = deadline
+        self.earlier = earlier
         self.summary_steps = 0
         self.stepped = set(policy.stepped)
         self.cut_short: set[int] = set()
@@ -138,7 +142,22 @@ class Execution:
                     self.cut_short.add(loop)
                 if self.record is not None:
                     self.record.totals[loop] = None
+            header = None if self.earlier is None else self.earlier.headers.get(loop)
+            if header is not None:
+                return self._again(loop, header)
         return self._summarise(loop, joining.join_all(states))
+
+    def _again(self, loop: int, header: Header) -> Leaving:
+        """Pass through a loop from a header that holds all iterations of all its entries."""
+        assert self.earlier is not None
+        self._note_visits(loop, self.earlier.visits.get(loop), "affine")
+        if self.record is not None:
+            self.record.headers[loop] = header
+        self.summaries += 1
+        try:
+            return self._region(loop, [header.state.copy()])[0]
+        finally:
+            self.summaries -= 1
 
     # ------------------------------------------------------------------------------------------------ stepping
     def _step(self, loop: int, states: States) -> Leaving:

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from mauve.wcet.binary.graph import Cfg
 from mauve.wcet.binary.loops import Loop
 from mauve.wcet.binary.microop import Compute, Imm, Instruction, SetFlags
-from mauve.wcet.clock import check
+from mauve.wcet.clock import OutOfTime, check
 from mauve.wcet.flow.closed_form import MOST
 from mauve.wcet.flow.domain import MASK, SIGN, Range
 from mauve.wcet.flow.execute import Execution
@@ -68,6 +68,8 @@ class FunctionResult:
     unbounded: frozenset[int] = frozenset()
     depth: int | None = None
     attempt: Attempt | None = None
+    curtailed: OutOfTime | None = None
+    """where time was over before all was tried that might have found a bound"""
 
 
 def thresholds(cfg: Cfg) -> list[int]:
@@ -98,7 +100,8 @@ def analyse_function(
 ) -> FunctionResult:
     """Analyse a function from an entry state. `given` are bounds proven or stated elsewhere. Where not `thorough`, a
     loop that resists ranking arguments stays without a bound, and `attempt` of the result lets a later analysis from
-    the same state go on there. Raises GaveUp, OutOfTime."""
+    the same state go on there. What was found stays when the time is over (`curtailed`). Raises GaveUp, and OutOfTime
+    where not even the first pass is complete."""
     if attempt is None:
         attempt = Attempt([], dict(given), {loop: bound.bound for loop, bound in given.items()})
     records, bounds, known = attempt.records, attempt.bounds, attempt.known
@@ -106,9 +109,11 @@ def analyse_function(
 
     most = max(limits.most, MOST_PASSES * sum(len(block.instructions) for block in order.cfg.blocks))
 
-    def execute(stepped: frozenset[int], width: int = 1, steps: int = limits.steps) -> Record:
+    def execute(
+        stepped: frozenset[int], width: int = 1, steps: int = limits.steps, earlier: Record | None = None
+    ) -> Record:
         policy = Policy(stepped, width, steps, most=most)
-        execution = Execution(order, image, calls, policy, marks, known, limits.deadline)
+        execution = Execution(order, image, calls, policy, marks, known, limits.deadline, earlier)
         record = execution.execute(entry.copy())
         if width == 1:
             attempt.hopeless |= stepped - execution.stepped - execution.cut_short
@@ -123,12 +128,12 @@ def analyse_function(
 
     known_whole = all(loop in given and given[loop].origin is Origin.LIBRARY for loop in loops)
     nested = any(loop.parent is not None for loop in order.nest.loops) and not known_whole
-    first = not records
+    first, curtailed = not records, None
     if first:
         records.append(execute(frozenset()))
     try:
         if first and steppable():
-            records.append(execute(loops, steps=LIGHT))
+            records.append(execute(loops, steps=LIGHT, earlier=records[0]))
         for loop in _missing(records, known) if first else ():
             check(limits.deadline, order.cfg.blocks[order.nest.loops[loop].header].address, order.cfg.name)
             found = ranking(order.nest.loops[loop], records[0]) if ranking is not None else None
@@ -143,7 +148,10 @@ def analyse_function(
             records.append(execute(_relatives(order, left) - deep, WIDTH))
     except GaveUp:
         pass
+    except OutOfTime as reason:
+        curtailed = reason
     result = _merge(order, records, bounds)
+    result.curtailed = curtailed
     result.attempt = attempt if result.unbounded and not thorough else None
     return result
 

@@ -18,7 +18,7 @@ from mauve.wcet.binary.elf import Binary
 from mauve.wcet.binary.graph import Cfg, UnresolvedKind
 from mauve.wcet.binary.loops import Loop, LoopNest, loop_nest
 from mauve.wcet.binary.split import split_irreducible
-from mauve.wcet.clock import OutOfTime, check
+from mauve.wcet.clock import OutOfTime, check, is_over
 from mauve.wcet.flow import effects
 from mauve.wcet.flow.analysed import Analysed, Name
 from mauve.wcet.flow.contexts import Contexts, Family
@@ -44,8 +44,9 @@ POINTERS = (UnresolvedKind.BRANCH, UnresolvedKind.CALL)
 
 
 class Functions:
-    """See the module's description. What raises OutOfTime keeps nothing that is not complete; `curtailed` says that a
-    proof asked for by a run ended so: no more are begun."""
+    """See the module's description. What raises OutOfTime keeps nothing that is not complete. Within `leaving` (a point
+    in time) nothing is raised when the deadline is over before that: each function keeps what was found until then, and
+    those that come later have the bounds that need no values. `curtailed` says where time has first ended something."""
 
     def __init__(self, binary: Binary, image: Image, control: Control, given: Given, limits: Limits) -> None:
         self.binary = binary
@@ -67,7 +68,8 @@ class Functions:
         self.comparing: set[int] = set()
         self.cyclic: set[int] = set()
         self.excluded: dict[int, tuple[Exclusive, ...]] = {}
-        self.curtailed = False
+        self.curtailed: OutOfTime | None = None
+        self.leaving: float | None = None
         self._incomplete: dict[int, bool] = {}
         self._angles: dict[int, bool] = {}
 
@@ -109,15 +111,15 @@ class Functions:
         """Executions of a loop's header per entry, whatever the function is called with; None as well where that is not
         found out in time."""
         bound = self.known_bounds(key).get(loop)
-        if bound is None and not self.curtailed:
-            before = self.limits
+        if bound is None and self.curtailed is None:
+            before, self.leaving = self.limits, None
             try:
                 self.settle(key, deadline)
                 default = self._best(key)
                 found = None if default is None else default.flow.bounds.get(loop)
                 bound = None if found is None else found.bound
-            except OutOfTime:
-                self.curtailed = True
+            except OutOfTime as reason:
+                self.curtailed = reason
             self.limits = before
         return bound
 
@@ -170,7 +172,37 @@ class Functions:
         except GaveUp:
             message = f"the analysis of {cfg.name} takes more steps than allowed"
             problem = Problem(ProblemKind.LIMIT, message, cfg.address, cfg.name)
-            return replace(bare, flow=replace(bare.flow, problems=(problem,)))
+            found = self._without_values(bare)
+            return replace(found, flow=replace(found.flow, problems=(problem, *found.flow.problems)))
+        except OutOfTime as reason:
+            if self.leaving is None:
+                raise
+            self.curtailed = self.curtailed or reason
+            return self._without_values(bare)
+
+    def is_leaving(self) -> bool:
+        """Whether the time for everything but bringing what was found to an end is over."""
+        return self.leaving is not None and is_over(self.limits.deadline)
+
+    def _without_values(self, bare: Analysed) -> Analysed:
+        """A function with the bounds that need no values: those that are known, and of counters between constants."""
+        from mauve.wcet.flow.ranking import Ranking
+
+        cfg, nest = bare.flow.cfg, bare.flow.nest
+        stated = self.stated[cfg.key] = self.given.bounds(cfg, nest)
+        bounds = _smallest(stated.bounds, self._library(cfg.key))
+        ranking = Ranking(cfg, nest, None, self._effects(cfg, {}), self.leaving or self.limits.deadline)
+        try:
+            for loop in nest.loops:
+                found = None if loop.id in bounds else ranking.bound(loop)
+                if found is not None:
+                    bounds[loop.id] = LoopBound(found.bound, Origin.ANALYSIS, found.method)
+        except OutOfTime as reason:
+            if self.leaving is None:
+                raise
+            self.curtailed = self.curtailed or reason
+        left = (self._unbounded(cfg, nest, loop.id) for loop in nest.loops if loop.id not in bounds)
+        return replace(bare, flow=replace(bare.flow, bounds=bounds, problems=tuple(left)))
 
     def sorts(self, key: int) -> KnownFunction | None:
         """What the table says of a function that sorts."""
@@ -254,6 +286,10 @@ class Functions:
         stated = _smallest(self.stated[key].bounds, self._library(key, narrowed))
         order = self.orders[key]
         result = analyse_function(order, narrowed, self.image, calls, stated, ranking, self.limits, thorough, attempt)
+        if result.curtailed:
+            if self.leaving is None:
+                raise result.curtailed
+            self.curtailed = self.curtailed or result.curtailed
         derived = {loop: bound.bound for loop, bound in result.bounds.items() if bound.origin is not Origin.ANNOTATION}
         called = {index: edge.callees for index, edge in enumerate(cfg.edges) if edge.callees}
         flow = FunctionFlow(

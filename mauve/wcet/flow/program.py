@@ -120,44 +120,68 @@ class Programs:
         problems in the result, and so is the end of the time; no input makes this raise.
         """
         deadline = self._limits.deadline if timeout is None else monotonic() + timeout
-        ran = self._run(entry_key, deadline) if self._initial_data else None
+        started = monotonic()
+        ran = self._run(entry_key, self._first_run(deadline)) if self._initial_data else None
         if ran is not None and not _open(ran):
             return ran
+        cut_short = monotonic() - started > FIRST_RUN / 2
         try:
-            analysed = self._analysed(entry_key, deadline)
+            analysed = self._analysed(entry_key, deadline, timeout)
         except OutOfTime as reason:
             return self._unfinished(entry_key, reason, timeout) if ran is None else ran
-        if not self._initial_data and _open(analysed):
-            ran = self._run(entry_key, deadline)
+        if _open(analysed) if not self._initial_data else cut_short and _may_gain(analysed, ran):
+            ran = _of_both(self._run(entry_key, _share(deadline)), ran)
         if ran is None:
             return analysed
         ran, analysed = better(ran, analysed), better(analysed, ran)
         return analysed if _open(analysed) < _open(ran) else ran
 
-    def _analysed(self, entry_key: int, deadline: float | None) -> ProgramFlow:
-        """The analysis without a run."""
+    def _first_run(self, deadline: float | None) -> float | None:
+        """When the run that comes before all else ends: unknown values that decide fork a run, which may end nowhere,
+        while the analysis without one often takes little time."""
+        if not self._given.assumed.memory:
+            return deadline
+        first = monotonic() + FIRST_RUN
+        share = _share(deadline)
+        return first if share is None else min(first, share)
+
+    def _analysed(self, entry_key: int, deadline: float | None, timeout: float | None) -> ProgramFlow:
+        """The analysis without a run. When its time is over, it keeps what it has. Raises OutOfTime where there are not
+        even graphs."""
         found: Targets = {}
-        for last in (*(False for _ in range(ROUNDS)), True):
-            # Targets that still change when the rounds are over are not known.
-            known = {address: targets for address, targets in found.items() if targets and not last}
-            functions = self._functions(known)
-            analysis = _Program(self._binary, functions, entry_key, deadline, self._initial_data)
-            seen = analysis.targets(found, frozenset(self._stated.targets))
-            if seen == found:
-                break
-            found = seen
+        analysis: _Program | None = None
+        late: OutOfTime | None = None
+        try:
+            for last in (*(False for _ in range(ROUNDS)), True):
+                # Targets that still change when the rounds are over are not known.
+                known = {address: targets for address, targets in found.items() if targets and not last}
+                functions = self._functions(known)
+                analysis = _Program(self._binary, functions, entry_key, deadline, self._initial_data)
+                seen = analysis.targets(found, frozenset(self._stated.targets))
+                late = functions.curtailed
+                if seen == found or late is not None:
+                    break
+                found = seen
+        except OutOfTime as reason:
+            if analysis is None:
+                raise
+            late = reason
+        assert analysis is not None
         flow = analysis.flow(self._given)
-        if any(functions.curtailed for functions in self._shared.values()):
+        if any(functions.curtailed is not None for functions in self._shared.values()):
             self._shared.clear()
-        return flow
+        if late is None or not _open(flow):
+            return flow
+        entry = self._binary.name_at(entry_key)
+        return replace(flow, problems=(out_of_time(entry, entry_key & ~1, late, timeout), *flow.problems))
 
     def _unfinished(self, entry: int, reason: OutOfTime, timeout: float | None) -> ProgramFlow:
         """The result when time ended the analysis: no function has a bound, and the problem says where it was."""
         problem = out_of_time(self._binary.name_at(entry), entry & ~1, reason, timeout)
         return ProgramFlow((entry, ""), {}, (problem,), (), (*ASSUMPTIONS, *self._given.assumed.sentences))
 
-    def _run(self, entry: int, deadline: float | None) -> ProgramFlow | None:
-        """The program executed from its linked data, or from any; None where that could not go on to its end."""
+    def _run(self, entry: int, until: float | None) -> ProgramFlow | None:
+        """The program executed from its linked data, or from any; None where that did not come to its end in time."""
         from mauve.wcet.flow.run.memory import Given as Start
         from mauve.wcet.flow.run.program import STEPS, Source, run_program
 
@@ -172,9 +196,6 @@ class Programs:
         if not self._initial_data:
             given, steps = [*given, *self._anything(given)], FEW_STEPS
         found: dict[int, frozenset[int]] = {}
-        # Unknown values that decide fork a run, which may end nowhere: the other analyses need time as well.
-        now = monotonic()
-        until = deadline if deadline is None or not given else now + (deadline - now) / FOR_RUNS
         for _ in range(RUNS):
             functions = self._functions({address: tuple(sorted(targets)) for address, targets in found.items()})
             functions.limits = replace(functions.limits, deadline=until)
@@ -225,12 +246,17 @@ class _Program:
         self, binary: Binary, functions: Functions, entry: int, deadline: float | None, initial_data: bool
     ) -> None:
         self.binary, self.functions, self.entry, self.deadline = binary, functions, entry, deadline
-        self.order: Order = functions.settle(entry, deadline, initial_data)
-        self.top: Analysed | None = None
-        if initial_data:
-            self.top = functions.from_state(entry, self._initial_state(functions.given.assumed))
-        top = self.top or functions.default(entry)
-        self.shared = {} if top is None else functions.contexts.joined(top, reversed(self.order.functions))
+        functions.leaving = deadline
+        before = None if deadline is None else deadline - (deadline - monotonic()) / FOR_THE_END
+        try:
+            self.order: Order = functions.settle(entry, before, initial_data)
+            self.top: Analysed | None = None
+            if initial_data:
+                self.top = functions.from_state(entry, self._initial_state(functions.given.assumed))
+            top = self.top or functions.default(entry)
+            self.shared = {} if top is None else functions.contexts.joined(top, reversed(self.order.functions))
+        finally:
+            functions.leaving = None
         self.used = self._used()
 
     def _initial_state(self, assumed: Assumed) -> State:
@@ -355,6 +381,29 @@ def out_of_time(name: str, address: int, reason: OutOfTime, timeout: float | Non
     return Problem(ProblemKind.LIMIT, f"the analysis of {name} takes longer than {allowed}{where}", at, reason.function)
 
 
+def _share(deadline: float | None) -> float | None:
+    """When a run with unknown data ends: the analysis without one needs time as well."""
+    now = monotonic()
+    return None if deadline is None else now + (deadline - now) / FOR_RUNS
+
+
+def _may_gain(analysed: ProgramFlow, ran: ProgramFlow | None) -> bool:
+    """Whether a longer run might find more than the analysis without one and a short run: a loop has no bound, or one
+    that may come from the range of a type alone."""
+    if ran is not None:
+        analysed = better(analysed, ran)
+    bounds = (bound.bound for function in analysed.functions.values() for bound in function.bounds.values())
+    return bool(_open(analysed)) or any(bound in OF_TYPES for bound in bounds)
+
+
+def _of_both(first: ProgramFlow | None, second: ProgramFlow | None) -> ProgramFlow | None:
+    """The better of two runs, with the bounds of the other where those are smaller."""
+    if first is None or second is None:
+        return first or second
+    first, second = better(first, second), better(second, first)
+    return second if _open(second) < _open(first) else first
+
+
 def _open(flow: ProgramFlow) -> int:
     """How much a result leaves without a bound."""
     return len(flow.problems) + sum(len(function.problems) for function in flow.functions.values())
@@ -382,6 +431,12 @@ def _with_facts(ran: Ran, given: Given, also: tuple[str, ...]) -> ProgramFlow:
 RAN = "the program starts with the data it is linked with, and runs once"
 FEW_STEPS = 4_000_000
 """Instructions of a run from any data: it is short of time from the start, and follows all values at once soon."""
+FOR_THE_END = 5
+"""One part in so many of the time is kept for bringing to an end what has no time for all effort."""
+FIRST_RUN = 3.0
+"""Seconds of a first run with unknown data."""
+OF_TYPES = frozenset(2**width + more for width in (7, 8, 15, 16) for more in (-1, 0, 1))
+"""Bounds that may only say how wide a type is."""
 FOR_RUNS = 3
 """A run with unknown data gets at most one part in so many of the time."""
 RUNS = 16
