@@ -13,6 +13,9 @@ from mauve.wcet.result import Problem, ProblemKind
 POINTERS = (ProblemKind.BRANCH, ProblemKind.CALL)
 
 
+_CANDIDATES = "all whose address is taken"
+
+
 _PLACEHOLDER = re.compile(r"N(?=B?$)")
 """Where a suggestion waits for a number."""
 
@@ -43,6 +46,7 @@ def format_ff(elf: str, missing: Sequence[MissingIn]) -> str:
             word = "multicall" if problem.kind is ProblemKind.CALL else "multibranch"
             if problem.kind in POINTERS and problem.address is not None:
                 lines.append(f"{word} {problem.address:#x} to ?;  // {problem.message}")
+                lines += [f"// {_CANDIDATES}: {_named(fact)}" for fact in problem.suggestions]
             else:
                 lines.append(f"// no fact helps: {problem.message}")
     return "\n".join([*lines, ""])
@@ -66,10 +70,16 @@ def _model_lines(one: MissingIn) -> Iterator[str]:
             yield from (f"  {template}  // {_told(problem)}" for template in templates)
         elif problem.kind in POINTERS and problem.address is not None:
             yield f"  targets {problem.address:#x} to ?  // {_told(problem)}"
+            yield from (f"  // {_CANDIDATES}: {_named(fact)}" for fact in problem.suggestions)
         elif problem.kind is ProblemKind.RECURSION:
             yield f'  recursion "{problem.function}" max ?  // {_told(problem)}'
         else:
             yield f"  // no fact helps: {_told(problem)}"
+
+
+def _named(fact: str) -> str:
+    """The targets of a suggested fact."""
+    return fact.partition(" to ")[2]
 
 
 def _flat(loops: Sequence[MissingLoop], depth: int = 0) -> Iterator[tuple[MissingLoop, int]]:

@@ -65,6 +65,10 @@ def problem_diagnostic(
     message = f"`{plan.id}` has no WCET: {problem.message}"
     if problem.kind is ProblemKind.HARDWARE:
         help_ = Fix(f"compile it for the board's processor, as by `-mcpu={board.core}`, or `assume {plan.id} wcet ...`")
+    if problem.kind in (ProblemKind.CALL, ProblemKind.BRANCH) and problem.suggestions:
+        fact = problem.suggestions[0]
+        text = f"state those of them that it goes to in the binary of deployment `{deployment.name}`: `{fact}`"
+        help_ = Fix(text, (), Applicability.PLACEHOLDERS)
     if problem.kind is ProblemKind.LOOP and problem.suggestions:
         text = f"add `{problem.suggestions[0]}` to the binary of deployment `{deployment.name}`"
         help_ = Fix(text, (), Applicability.PLACEHOLDERS)

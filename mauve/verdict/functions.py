@@ -57,6 +57,9 @@ def _problem(path: str, problem: Problem, names: list[str], near: tuple[str, ...
 
 def _help(problem: Problem) -> Fix | None:
     """The fact that is missing, as it stands in a file of flow facts."""
+    if problem.kind in (ProblemKind.CALL, ProblemKind.BRANCH) and problem.suggestions:
+        fact = problem.suggestions[0]
+        return Fix(f"state those of them that it goes to, in a model's `binary` or with `--facts`: `{fact}`")
     if problem.kind is not ProblemKind.LOOP:
         return None
     if problem.suggestions:

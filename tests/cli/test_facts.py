@@ -87,3 +87,15 @@ def test_assumed_ranges_and_targets_of_a_model_reach_the_analysis(mauvec: Comman
     facts.write_text(f'mauve 1\nbinary "{image}" {{\n  assume "nowhere" from 0 to 9\n}}\n')
     run = mauvec("wcet", image, "byte", "--board", "generic-cortex-m3", "--facts", str(facts))
     assert run.code == 1 and "there is no object `nowhere` in the binary [MV514]" in run.err
+
+
+def test_the_template_names_what_a_pointer_may_lead_to(mauvec: Command, tmp_path: Path) -> None:
+    elf = str(FIXTURES / "arm7tdmi-arm-O1.elf")
+    run = mauvec("facts", elf, "call_through_pointer")
+    asked, told = (line.strip() for line in run.out.splitlines() if "targets 0x" in line or "address is taken" in line)
+    assert asked.startswith("targets 0x") and " to ?  // " in asked
+    names = told.removeprefix("// all whose address is taken: ")
+    facts = tmp_path / "facts.mauve"
+    facts.write_text(f'mauve 1\nbinary "{elf}" {{\n  {asked.split(" to ?")[0]} to {names}\n}}\n')
+    run = mauvec("wcet", elf, "call_through_pointer", "--board", "generic-arm7tdmi", "--facts", str(facts))
+    assert "asm_twice" in names and "goes through a pointer" not in run.out + run.err

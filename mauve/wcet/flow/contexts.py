@@ -175,11 +175,12 @@ class Contexts:
         return self._spared[key]
 
     # ------------------------------------------------------------------------------------------------ joined
-    def joined(self, top: Analysed, callers_first: Iterable[int]) -> dict[int, Analysed]:
-        """What stands for the functions that the contexts of `top` call by key: each in a context that holds all those
+    def joined(self, tops: Iterable[Analysed], callers_first: Iterable[int]) -> dict[int, Analysed]:
+        """What stands for the functions that the contexts of `tops` call by key: each in a context that holds all those
         calls. Functions on cycles of calls, and those that would gain nothing, are taken in any state."""
         join = _Join(self, Family())
-        join.enter(top)
+        for top in tops:
+            join.enter(top)
         for key in callers_first:
             if key in join.arriving:
                 join.settle(key)

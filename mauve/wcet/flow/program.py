@@ -17,11 +17,14 @@ from mauve.wcet.binary.elf import Binary
 from mauve.wcet.binary.graph import EXIT
 from mauve.wcet.binary.lines import LineTable
 from mauve.wcet.binary.microop import IndirectCall, IndirectJump, Instruction
+from mauve.wcet.binary.pointers import taken
 from mauve.wcet.clock import OutOfTime, is_over
 from mauve.wcet.flow import domain
 from mauve.wcet.flow.analysed import Analysed
 from mauve.wcet.flow.assumed import Assumed
 from mauve.wcet.flow.both import better
+from mauve.wcet.flow.candidates import MOST as MOST_CANDIDATES
+from mauve.wcet.flow.candidates import open_calls, open_edges, pointer_problems
 from mauve.wcet.flow.domain import MASK, Range
 from mauve.wcet.flow.facts import Fact
 from mauve.wcet.flow.function import Limits
@@ -112,6 +115,7 @@ class Programs:
         self._image = BinaryImage(binary, self._given.assumed)
         self._stated = self._given.control()
         self._shared: dict[tuple[tuple[int, tuple[int, ...]], ...], Functions] = {}
+        self._pointers: tuple[int, ...] | None = None
 
     def program(self, entry_key: int, timeout: float | None = None) -> ProgramFlow:
         """Everything that flow analysis finds out about `entry_key` and what it calls.
@@ -151,14 +155,17 @@ class Programs:
         found: Targets = {}
         analysis: _Program | None = None
         late: OutOfTime | None = None
+        stated = frozenset(self._stated.targets)
         try:
             for last in (*(False for _ in range(ROUNDS)), True):
                 # Targets that still change when the rounds are over are not known.
                 known = {address: targets for address, targets in found.items() if targets and not last}
                 functions = self._functions(known)
                 analysis = _Program(self._binary, functions, entry_key, deadline, self._initial_data)
-                seen = analysis.targets(found, frozenset(self._stated.targets))
+                seen = analysis.targets(found, stated)
                 late = functions.curtailed
+                if seen == found and late is None and analysis.suppose(self._taken()):
+                    seen = analysis.targets(found, stated)
                 if seen == found or late is not None:
                     break
                 found = seen
@@ -167,6 +174,7 @@ class Programs:
                 raise
             late = reason
         assert analysis is not None
+        analysis.suppose(self._taken())
         flow = analysis.flow(self._given)
         if any(functions.curtailed is not None for functions in self._shared.values()):
             self._shared.clear()
@@ -174,6 +182,12 @@ class Programs:
             return flow
         entry = self._binary.name_at(entry_key)
         return replace(flow, problems=(out_of_time(entry, entry_key & ~1, late, timeout), *flow.problems))
+
+    def _taken(self) -> tuple[int, ...]:
+        """The functions whose address the binary takes."""
+        if self._pointers is None:
+            self._pointers = taken(self._binary)
+        return self._pointers
 
     def _unfinished(self, entry: int, reason: OutOfTime, timeout: float | None) -> ProgramFlow:
         """The result when time ended the analysis: no function has a bound, and the problem says where it was."""
@@ -246,6 +260,8 @@ class _Program:
         self, binary: Binary, functions: Functions, entry: int, deadline: float | None, initial_data: bool
     ) -> None:
         self.binary, self.functions, self.entry, self.deadline = binary, functions, entry, deadline
+        self.candidates: tuple[int, ...] = ()
+        self.supposed: tuple[Analysed, ...] = ()
         functions.leaving = deadline
         before = None if deadline is None else deadline - (deadline - monotonic()) / FOR_THE_END
         try:
@@ -254,10 +270,11 @@ class _Program:
             if initial_data:
                 self.top = functions.from_state(entry, self._initial_state(functions.given.assumed))
             top = self.top or functions.default(entry)
-            self.shared = {} if top is None else functions.contexts.joined(top, reversed(self.order.functions))
+            self.shared = {} if top is None else functions.contexts.joined((top,), reversed(self.order.functions))
         finally:
             functions.leaving = None
         self.used = self._used()
+        self.holding = frozenset(function.name[0] for function in self.used if open_calls(function.flow.cfg))
 
     def _initial_state(self, assumed: Assumed) -> State:
         state = State(self.functions.symbols)
@@ -269,12 +286,61 @@ class _Program:
             state.forget_bytes(ABSOLUTE, stretch.start, stretch.end - 1)
         return state
 
+    # ------------------------------------------------------------------------------------------------ open pointers
+    def suppose(self, candidates: tuple[int, ...]) -> bool:
+        """Where targets of calls are not known, analyse the `candidates` for any state; False where all are known, or
+        where that was done."""
+        if not self.holding or not candidates or self.candidates:
+            return False
+        self.candidates = candidates
+        if len(candidates) > MOST_CANDIDATES:
+            return False
+        functions, now = self.functions, monotonic()
+        functions.leaving = self.deadline
+        try:
+            share = SECONDS if self.deadline is None else (self.deadline - now) / FOR_CANDIDATES
+            self._enter(candidates, now + share)
+        except OutOfTime:
+            self.supposed = self._bare(candidates, monotonic() + FOR_GRAPHS)
+        finally:
+            functions.leaving = None
+        functions.limits = replace(functions.limits, deadline=self.deadline)
+        self.used = self._used()
+        return True
+
+    def _enter(self, candidates: tuple[int, ...], until: float) -> None:
+        """Take candidates up beside what the entry calls."""
+        functions, order = self.functions, self.order.functions
+        for key in candidates:
+            order = (*functions.settle(key, until).functions, *order)
+        found = (functions.default(key) for key in candidates)
+        supposed = tuple(function for function in found if function is not None)
+        top = self.top or functions.default(self.entry)
+        tops = supposed if top is None else (top, *supposed)
+        self.shared = functions.contexts.joined(tops, reversed(dict.fromkeys(order)))
+        self.supposed = supposed
+
+    def _bare(self, candidates: tuple[int, ...], until: float) -> tuple[Analysed, ...]:
+        """No more than the graphs of candidates and of what they call, as far as there is time."""
+        functions, known = self.functions, {function.name[0] for function in self.used}
+        functions.limits = replace(functions.limits, deadline=until)
+        found: dict[int, Analysed] = {}
+        try:
+            for candidate in candidates:
+                for key, cfg in functions.graphs_from(candidate).items():
+                    flow = FunctionFlow(cfg, functions.nest(key), {}, frozenset(), {}, {})
+                    found |= {key: Analysed(flow, {}, (key, ()))} if key not in known else {}
+        except OutOfTime:
+            pass
+        return tuple(found.values())
+
     # ------------------------------------------------------------------------------------------------ results
     def _used(self) -> tuple[Analysed, ...]:
-        """The contexts that the entry reaches, callees first."""
+        """The contexts that the entry reaches, callees first; before them those of what is supposed to be called."""
         order: list[Analysed] = []
         seen: set[Analysed] = set()
         stack = [(self.top or self.functions.default(self.entry), False)]
+        stack += [(function, False) for function in self.supposed]
         while stack:
             function, finished = stack.pop()
             if function is None:
@@ -331,6 +397,7 @@ class _Program:
         matched = {fact for facts in stated if facts is not None for fact in facts.matched}
         notes = dict.fromkeys(note for function in self.used for note in function.notes)
         contexts = self._names()
+        self.callable = tuple(function for function in self.supposed if not self._calls_back(function))
         flows = {contexts[function]: self._flow(function, contexts) for function in self.used}
         unrolled = unroll(contexts[self.used[-1]], flows, given.depths)
         return ProgramFlow(
@@ -370,7 +437,25 @@ class _Program:
         excluded = () if is_over(self.deadline) else self.functions.exclusive(function.name[0])
         if function.flow.calls != calls or function.flow.exclusive != excluded:
             function.flow = replace(function.flow, calls=calls, exclusive=excluded)
-        return function.flow
+        told = pointer_problems(function.flow.cfg, self.candidates, self.binary)
+        if not told:
+            return function.flow
+        inside = function.name[0] in self.holding
+        may = tuple(names[callee] for callee in self.callable) if inside else ()
+        opened = {index: may for index, _ in open_edges(function.flow.cfg)} if may else {}
+        return replace(function.flow, calls=calls | opened, problems=(*function.flow.problems, *told))
+
+    def _calls_back(self, function: Analysed) -> bool:
+        """Whether a candidate calls functions with open calls, which would close a circle that may not be there."""
+        seen, waiting = {function}, [function]
+        while waiting:
+            here = waiting.pop()
+            if here.name[0] in self.holding:
+                return True
+            fresh = [callee for callee in self._callees(here) if callee is not None and callee not in seen]
+            seen |= set(fresh)
+            waiting += fresh
+        return False
 
 
 def out_of_time(name: str, address: int, reason: OutOfTime, timeout: float | None) -> Problem:
@@ -441,6 +526,11 @@ FOR_RUNS = 3
 """A run with unknown data gets at most one part in so many of the time."""
 RUNS = 16
 """How often a run starts again with the targets of pointers that it came to."""
+
+FOR_CANDIDATES, SECONDS = 4, 5.0
+"""One part in so many of the time is for what calls of unknown targets may lead to; without a limit so many seconds."""
+FOR_GRAPHS = 0.5
+"""Seconds for its graphs alone, when that is over."""
 
 MOST_INITIAL = 1 << 16
 """Bytes of a zero-filled segment that are followed as initial data."""

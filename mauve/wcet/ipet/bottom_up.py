@@ -131,17 +131,19 @@ def reachable_edges(flow: FunctionFlow) -> tuple[int, ...]:
 
 
 def calls_of(flow: FunctionFlow) -> Iterator[tuple[int, ContextKey]]:
-    """Every feasible call that comes back: its edge and the callee's context."""
+    """Every feasible call that comes back, or may do so: its edge and the callee's context."""
     for index in reachable_edges(flow):
-        if flow.cfg.edges[index].kind is EdgeKind.STOP:
+        edge = flow.cfg.edges[index]
+        if edge.kind is EdgeKind.STOP and edge.callees:
             continue
         for key in flow.calls.get(index, ()):
             yield index, key
 
 
 def _stack(flow: FunctionFlow, callees: Mapping[ContextKey, FunctionBound], live: tuple[int, ...]) -> int | None:
-    """The function's frame and the deepest callee on top of it; a tail call has given the frame back."""
-    if flow.stack is None:
+    """The function's frame and the deepest callee on top of it; a tail call has given the frame back. None where what
+    is called, or done, is not known."""
+    if flow.stack is None or flow.cfg.unresolved:
         return None
     deepest = flow.stack
     for index in live:
@@ -163,6 +165,7 @@ _KINDS = {
     "decode": ProblemKind.DECODE,
     "outside": ProblemKind.OUTSIDE,
     "supervisor": ProblemKind.SUPERVISOR,
+    "limit": ProblemKind.LIMIT,
 }
 
 

@@ -266,13 +266,15 @@ class Replay:
     def _called(self, frame: _Frame, edges: list[int], callee: int) -> _Frame | None:
         """The frame of a callee; a tail call returns where its caller would. None where the analysis says nothing of
         the callee: it holds the call for impossible, unless it gave the caller up."""
-        if edges[0] not in frame.plan.flow.calls:
+        calls = frame.plan.flow.calls
+        told = [edge for edge in edges if edge in calls]  # a helper that comes back behind a table is on several
+        if not told:
             if not frame.plan.flow.problems:
                 self._tell(frame, f"{callee:#x} is called, which was not analysed")
             return None
         all_edges = frame.plan.flow.cfg.edges
         back = frozenset(frame.plan.addresses[all_edges[e].target][0] for e in edges if all_edges[e].target != EXIT)
-        names = tuple(name for name in frame.plan.flow.calls[edges[0]] if name[0] & ~1 == callee)
+        names = tuple(dict.fromkeys(name for edge in told for name in calls[edge] if name[0] & ~1 == callee))
         if not names:
             self._tell(frame, f"{callee:#x} is called, for which there is no context")
             return None
