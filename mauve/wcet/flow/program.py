@@ -262,7 +262,7 @@ class _Program:
         self.binary, self.functions, self.entry, self.deadline = binary, functions, entry, deadline
         self.candidates: tuple[int, ...] = ()
         self.supposed: tuple[Analysed, ...] = ()
-        functions.leaving = deadline
+        functions.leaving, functions.curtailed = deadline, None  # a proof for a run may have been cut short before
         before = None if deadline is None else deadline - (deadline - monotonic()) / FOR_THE_END
         try:
             self.order: Order = functions.settle(entry, before, initial_data)
