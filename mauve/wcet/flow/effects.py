@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 from mauve.wcet.binary.graph import Edge, EdgeKind
@@ -75,8 +75,15 @@ def _known_at_entry(place: Place) -> Place:
     return None, 0, MASK
 
 
-def call(state: State, summary: Summary, record: Record | None, helper: Helper | None = None) -> State | None:
-    """Change the caller's state as the callee may; None when it does not return."""
+def call(
+    state: State,
+    summary: Summary,
+    record: Record | None,
+    helper: Helper | None = None,
+    result: Range | None = None,
+) -> State | None:
+    """Change the caller's state as the callee may; None when it does not return. `result`: what is known of r0 on
+    return beside the summary."""
     writes = [translated for place in summary.writes for translated in _translate(state, place)]
     exposed = _exposed(state)
     for region, low, high in writes:
@@ -105,6 +112,9 @@ def call(state: State, summary: Summary, record: Record | None, helper: Helper |
         state.regs[register] = state.fresh()
     for register, known in divided or ():
         state.regs[register] = state.fresh(known)
+    if result is not None:
+        known = domain.meet(result, state.range_of(state.regs[0])) or result
+        state.regs[0] = state.fresh(known)
     return state
 
 
@@ -211,15 +221,16 @@ def _leave_frame(state: State) -> None:
 
 class ProgramCalls:
     """Calls within a program: effects by key of the callee; `wanted` are callees whose entry states are to be
-    collected."""
+    collected; `results` tell r0 on return from the state before the call."""
 
     def __init__(
         self,
         summaries: Mapping[int, Summary],
         wanted: frozenset[int],
         helpers: Mapping[int, Helper] | None = None,
+        results: Mapping[int, Callable[[State], Range | None]] | None = None,
     ) -> None:
-        self.summaries, self.wanted, self.helpers = summaries, wanted, helpers or {}
+        self.summaries, self.wanted, self.helpers, self.results = summaries, wanted, helpers or {}, results or {}
 
     def apply(self, state: State, index: int, edge: Edge, record: Record | None) -> State | None:
         """The state after a call: the join over its callees."""
@@ -230,7 +241,9 @@ class ProgramCalls:
                 entered = enter(before)
                 known = record.calls.get((index, callee))
                 record.calls[index, callee] = entered if known is None else joining.join(known, entered)
-            called = call(before, self.summaries.get(callee, UNKNOWN), record, self.helpers.get(callee))
+            tell = self.results.get(callee)
+            result = None if tell is None else tell(before)
+            called = call(before, self.summaries.get(callee, UNKNOWN), record, self.helpers.get(callee), result)
             if called is not None:
                 after.append(called)
         if edge.kind is EdgeKind.STOP or not after:

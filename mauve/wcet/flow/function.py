@@ -28,6 +28,9 @@ LIGHT = 1_500
 DEEPEST = 8
 """Loops inside a loop, one inside the other, from which on it is summarised and never stepped."""
 
+MOST_PROOFS = 2
+"""How often arguments are sought again with the values that the bounds found before lead to."""
+
 MOST_PASSES = 16
 """Passes over a large function, on average, whatever `Limits.most` says."""
 
@@ -120,6 +123,19 @@ def analyse_function(
             attempt.settled = bool(stepped) and not execution.cut_short
         return record
 
+    def prove(record: Record) -> int:
+        """Seek arguments for the loops without a bound, with the values of a pass; how many were found."""
+        missing = _missing(records, known) if ranking is not None else []
+        for loop in missing:
+            check(limits.deadline, order.cfg.blocks[order.nest.loops[loop].header].address, order.cfg.name)
+            assert ranking is not None
+            found = ranking(order.nest.loops[loop], record)
+            if found is not None:
+                attempt.settled = False
+                known[loop] = found[0]
+                bounds[loop] = LoopBound(found[0], Origin.ANALYSIS, found[1])
+        return sum(loop in known for loop in missing)
+
     deep = _deep(order)
     loops = frozenset(range(len(order.nest.loops))) - deep
 
@@ -134,13 +150,13 @@ def analyse_function(
     try:
         if first and steppable():
             records.append(execute(loops, steps=LIGHT, earlier=records[0]))
-        for loop in _missing(records, known) if first else ():
-            check(limits.deadline, order.cfg.blocks[order.nest.loops[loop].header].address, order.cfg.name)
-            found = ranking(order.nest.loops[loop], records[0]) if ranking is not None else None
-            if found is not None:
-                attempt.settled = False
-                known[loop] = found[0]
-                bounds[loop] = LoopBound(found[0], Origin.ANALYSIS, found[1])
+        proven = prove(records[0]) if first else 0
+        for _ in range(MOST_PROOFS):
+            # What the bounds say of values where these loops end may bound those that follow them.
+            if not proven or not _missing(records, known):
+                break
+            records.append(execute(frozenset()))
+            proven = prove(records[-1])
         more = thorough and steppable()
         if not attempt.settled and (more or (first and nested and loops and _few(order, records, known, limits))):
             records.append(execute(loops - attempt.hopeless))

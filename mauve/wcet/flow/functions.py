@@ -22,7 +22,7 @@ from mauve.wcet.clock import OutOfTime, check, is_over
 from mauve.wcet.flow import effects
 from mauve.wcet.flow.analysed import Analysed, Name
 from mauve.wcet.flow.contexts import Contexts, Family
-from mauve.wcet.flow.domain import MASK
+from mauve.wcet.flow.domain import MASK, Range
 from mauve.wcet.flow.effects import UNKNOWN, ProgramCalls, Summary
 from mauve.wcet.flow.function import Attempt, FunctionResult, Limits, analyse_function
 from mauve.wcet.flow.given import Given, Stated
@@ -271,7 +271,8 @@ class Functions:
         callees = callgraph.callees(cfg)
         wanted = frozenset(k for k in callees if k in assumed or self.incomplete(k) or self.takes_angle(k))
         helpers = {k: helper for k in callees if (helper := self.helper(k)) is not None}
-        calls = ProgramCalls(self.summaries, wanted, helpers)
+        results = {k: self._length for k in callees if self._measures(k)}
+        calls = ProgramCalls(self.summaries, wanted, helpers, results)
 
         rankings: dict[int, ContextRanking] = {}
 
@@ -335,6 +336,16 @@ class Functions:
         """What a run-time helper computes, by its name."""
         symbol = self.binary.symbol_at(key)
         return None if symbol is None else effects.helper_named({symbol.name, self.cfgs[key].name})
+
+    def _measures(self, key: int) -> bool:
+        """Whether a function is known to be `strlen`, by its code."""
+        self._library(key)
+        return any(part.whole and "strlen" in part.known.names for part in self.routines.get(key, ()))
+
+    def _length(self, state: State) -> Range | None:
+        from mauve.wcet.flow.strings import measured
+
+        return measured(state, self.image)
 
     def exclusive(self, key: int) -> tuple[Exclusive, ...]:
         """The edges of a function that exclude each other, whatever it is called with."""

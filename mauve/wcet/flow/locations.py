@@ -38,6 +38,13 @@ Location = int | Cell
 """A register number (0..14) or a memory cell."""
 
 
+Sum = tuple[tuple[Location, int], ...]
+"""Locations with the factors of their values."""
+
+ENTRY_SP = -1
+"""Stands in a sum for the value of sp when the function was entered."""
+
+
 @dataclass(frozen=True, slots=True)
 class Interval:
     """The 32-bit values {v mod 2**32 : low <= v <= high, v = low + n * stride}.
@@ -101,6 +108,11 @@ class EntryValues(Protocol):
         interrupt and no other task writes while the function runs."""
 
 
+    def string(self, parts: Sum, offset: int, stores: tuple[tuple[int, int], ...]) -> int | None:
+        """How many bytes there are at most from `offset` + the sum of `parts` on entry to one that is 0 as long as the
+        loop runs, that one included. `stores` are those of the loop, as address and index of the micro-operation."""
+
+
 @dataclass(frozen=True, slots=True)
 class NoValues:
     """The EntryValues of somebody who knows nothing."""
@@ -128,6 +140,10 @@ class NoValues:
     def tracked(self, cell: Cell) -> bool:
         """Absolute memory is not trusted."""
         return False
+
+    def string(self, parts: Sum, offset: int, stores: tuple[tuple[int, int], ...]) -> int | None:
+        """Unknown."""
+        return None
 
 
 def whole(location: Location) -> Interval:

@@ -130,7 +130,7 @@ class Programs:
             return ran
         cut_short = monotonic() - started > FIRST_RUN / 2
         try:
-            analysed = self._analysed(entry_key, deadline, timeout)
+            analysed = self.without_run(entry_key, deadline, timeout)
         except OutOfTime as reason:
             return self._unfinished(entry_key, reason, timeout) if ran is None else ran
         if _open(analysed) if not self._initial_data else cut_short and _may_gain(analysed, ran):
@@ -149,7 +149,7 @@ class Programs:
         share = _share(deadline)
         return first if share is None else min(first, share)
 
-    def _analysed(self, entry_key: int, deadline: float | None, timeout: float | None) -> ProgramFlow:
+    def without_run(self, entry_key: int, deadline: float | None = None, timeout: float | None = None) -> ProgramFlow:
         """The analysis without a run. When its time is over, it keeps what it has. Raises OutOfTime where there are not
         even graphs."""
         found: Targets = {}

@@ -12,10 +12,11 @@ from dataclasses import dataclass, field
 from mauve.wcet.binary.graph import Cfg
 from mauve.wcet.binary.loops import Loop, LoopNest
 from mauve.wcet.clock import Deadline
-from mauve.wcet.flow.locations import CallEffects, Cell, EntryValues, Interval, Location, Region
+from mauve.wcet.flow.locations import CallEffects, Cell, EntryValues, Interval, Location, Region, Sum
 
 Answer = Interval | Region | int | None
-Question = tuple[str, Location | tuple[int, int] | Cell]
+Stores = tuple[tuple[int, int], ...]
+Question = tuple[str, Location | tuple[int, int] | Cell | tuple[Sum, int, Stores]]
 
 MOST = 8
 """Contexts that are remembered of one loop."""
@@ -69,6 +70,13 @@ class Asked:
         return found
 
 
+    def string(self, parts: Sum, offset: int, stores: Stores) -> int | None:
+        """See EntryValues."""
+        found = self.answer(("string", (parts, offset, stores)))
+        assert found is None or isinstance(found, int)
+        return found
+
+
 def _ask(values: EntryValues, question: Question) -> Answer:
     match question:
         case ("on entry", (int() | Cell()) as location):
@@ -83,6 +91,8 @@ def _ask(values: EntryValues, question: Question) -> Answer:
             return values.tracked(cell)
         case ("constant", Cell() as cell):
             return values.constant(cell)
+        case ("string", (tuple() as parts, int() as offset, tuple() as stores)):
+            return values.string(parts, offset, stores)
         case _:
             raise AssertionError(question)
 

@@ -29,10 +29,20 @@ from mauve.wcet.flow.rank.affine import affine
 from mauve.wcet.flow.rank.finite import finite
 from mauve.wcet.flow.rank.inductive import inductive, inductive_of
 from mauve.wcet.flow.rank.iterate import iterate
-from mauve.wcet.flow.rank.paths import Program, State, Summaries, entry_states, exit_states, prepare, summarise_loop
+from mauve.wcet.flow.rank.paths import (
+    Program,
+    State,
+    Summaries,
+    entry_states,
+    exit_states,
+    prepare,
+    stores_of,
+    summarise_loop,
+)
 from mauve.wcet.flow.rank.problem import MOST, Problem, pose
 from mauve.wcet.flow.rank.shapes import bits_cleared, remainders, wide_shift
 from mauve.wcet.flow.rank.terms import Atom, Ranges, Var, meet, static_range
+from mauve.wcet.flow.rank.walks import walk
 
 __all__ = [
     "ANY",
@@ -158,7 +168,9 @@ def _best_argument(
 
     problem = pose(program, problem.passes, entries, _remembered(refined), on_entry)
     best: RankBound | None = None
-    for method, argument in _ARGUMENTS:
+    stores = stores_of(program, loop)
+    along: tuple[str, Callable[[Problem], int | None]] = ("end of a string", lambda p: walk(p, values, stores))
+    for method, argument in (*_ARGUMENTS, along):
         made = argument(problem) if problem.passes else 0
         if made is not None and made <= MOST and (best is None or made + 1 < best.bound):
             best = RankBound(made + 1, method)

@@ -7,7 +7,9 @@ another region is written, and when anything but a constant 0 is written into it
 
 from __future__ import annotations
 
-from mauve.wcet.flow.domain import MASK, Range
+from collections.abc import Sequence
+
+from mauve.wcet.flow.domain import MASK, Range, between
 from mauve.wcet.flow.image import Image
 from mauve.wcet.flow.linear import Value
 from mauve.wcet.flow.state import ABSOLUTE, ENDS, State, is_end, is_memory
@@ -34,10 +36,19 @@ def ending(state: State, slot: int, length: int) -> None:
 
 def longest(state: State, value: Value, image: Image) -> int | None:
     """The greatest length of the string at an address, the 0 at its end included; None where it is not known."""
-    region, low, high = state.place(value)
+    return longest_at(state, state.place(value), image)
+
+
+Place = tuple[int | None, int, int]
+
+
+def longest_at(state: State, place: Place, image: Image, written: Sequence[Place] = ()) -> int | None:
+    """The same for a string that begins in a place. A 0 that `written` may have changed does not count."""
+    region, low, high = place
     if region is None:
         return None
     ends = []
+    lost = [(first, last) for where, first, last in written if where == region]
     for offset, (size, known) in state.memory.get(region, {}).items():
         if is_end(offset):
             within = state.range_of(known).unsigned_bounds()[1]
@@ -45,10 +56,17 @@ def longest(state: State, value: Value, image: Image) -> int | None:
                 ends.append(offset - ENDS + within - low)
         elif type(known) is int:
             ends += [offset + i + 1 - low for i in range(size) if offset + i >= high and known >> 8 * i & 0xFF == 0
-                     and is_memory(region, offset, image)]  # fmt: skip
+                     and is_memory(region, offset, image)
+                     and not any(first <= offset + i <= last for first, last in lost)]  # fmt: skip
     if region == ABSOLUTE and (constant := _constant(high, image)) is not None:
         ends.append(constant - low)
     return min(ends, default=None)
+
+
+def measured(state: State, image: Image) -> Range | None:
+    """The result of `strlen` called in a state, where the end of its argument is known."""
+    length = longest(state, state.regs[0], image)
+    return None if length is None or not 0 < length <= MASK else between(0, length - 1)
 
 
 def _constant(start: int, image: Image) -> int | None:

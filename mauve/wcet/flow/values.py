@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from mauve.wcet.flow.domain import MODULUS, SIGN, Range
+from mauve.wcet.flow import linear
+from mauve.wcet.flow.domain import MASK, MODULUS, SIGN, Range
 from mauve.wcet.flow.image import Image
-from mauve.wcet.flow.linear import FRAME
-from mauve.wcet.flow.locations import ANY, Base, Cell, Interval, Location, Region, whole
+from mauve.wcet.flow.linear import FRAME, Value
+from mauve.wcet.flow.locations import ANY, ENTRY_SP, Base, Cell, Interval, Location, Region, Sum, whole
 from mauve.wcet.flow.record import Record
 from mauve.wcet.flow.state import ABSOLUTE, State
+from mauve.wcet.flow.strings import longest_at
 
 
 def interval(known: Range) -> Interval:
@@ -55,6 +57,29 @@ class LoopValues:
     def constant(self, cell: Cell) -> int | None:
         """Read-only data."""
         return self._image.constant(cell.offset, cell.size) if cell.base is Base.ABSOLUTE else None
+
+
+    def string(self, parts: Sum, offset: int, stores: tuple[tuple[int, int], ...]) -> int | None:
+        """As far as the state at the header knows: what it holds is so in every iteration, and in between as well where
+        no store of the loop could put back what another took away."""
+        if self._entry is None or self._any is None:
+            return None
+        address: Value = offset & MASK
+        for location, factor in parts:
+            value = _symbolic(self._entry, location)
+            if value is None:
+                return None
+            address = linear.add(address, linear.scale(value, factor))
+        place = self._entry.place(address)
+        written = [found for at in stores if (found := self._record.accesses.get(at)) is not None]
+        return longest_at(self._any, place, self._image, written)
+
+
+def _symbolic(state: State, location: Location) -> Value | None:
+    if isinstance(location, int):
+        return linear.of_symbol(FRAME) if location == ENTRY_SP else state.regs[location]
+    cell = state.memory.get(FRAME if location.base is Base.SP else ABSOLUTE, {}).get(location.offset)
+    return cell[1] if cell is not None and cell[0] == location.size else None
 
 
 def _value(state: State | None, location: Location) -> Interval:

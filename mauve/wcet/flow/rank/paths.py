@@ -126,6 +126,8 @@ class Program:
     inductive: Callable[[Program, Loop, list[State]], Mapping[Location, Interval]]
     """intervals that hold at a loop's header in every iteration, given the states in which it is entered"""
     fresh: count[int] = field(default_factory=count)
+    reads: dict[int, tuple[Term, int]] = field(default_factory=dict)
+    """of unknowns that were read somewhere: the address, in terms of the values at the start, and the size"""
     summaries: Summaries = field(default_factory=Summaries)
     deadline: Deadline = None
     coarse: bool = False
@@ -457,7 +459,9 @@ def _load(program: Program, state: State, address: Term, size: int) -> Term:
     top = (1 << 8 * size) - 1
     cell = locate(address, size)
     if cell is None:
-        return program.unknown(0, top)
+        found = Fresh(next(program.fresh), 0, top)
+        program.reads[found.id] = address, size
+        return atom(found)
     if cell.base is Base.ABSOLUTE:
         constant = program.values.constant(cell)
         if constant is not None:
@@ -536,6 +540,17 @@ def forget(program: Program, state: State, changes: Changes) -> None:
     for region in changes.memory:
         _lose(state, region)
     state.flags = UNKNOWN
+
+
+def stores_of(program: Program, loop: Loop) -> tuple[tuple[int, int], ...]:
+    """The stores in a loop, as addresses and indices of micro-operations."""
+    return tuple(
+        (instruction.address, index)
+        for block in sorted(loop.blocks)
+        for instruction in program.cfg.blocks[block].instructions
+        for index, op in enumerate(instruction.ops)
+        if isinstance(op, Store | StoreUnknown)
+    )
 
 
 def loop_changes(program: Program, loop: Loop) -> Changes:
