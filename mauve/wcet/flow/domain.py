@@ -20,6 +20,8 @@ MASK = MODULUS - 1
 SIGN = 1 << 31
 SMALL = 16
 """Explicit sets hold at most this many members."""
+FAR = 1 << 16
+"""Two members that lie as far apart are no steps of one walk."""
 
 
 def signed(value: int) -> int:
@@ -266,13 +268,16 @@ def meet(x: Range, y: Range) -> Range | None:
 
 
 def widen(old: Range, new: Range, thresholds: Sequence[int]) -> Range:
-    """A superset of both that grows in few steps: a side that moves goes on to the next of `thresholds` (sorted
-    words)."""
+    """A superset of both that grows in few steps: explicit sets as they are, else a side that moves goes on to the next
+    of `thresholds` (sorted words), not beyond."""
     joined = join(old, new)
     if joined == old or includes(old, joined):
         return old
     if joined.is_top:
         return TOP
+    if joined.values is not None or (joined.n == 1 and joined.step >= FAR):
+        # Pointers, zero among them: a set of few only grows so often.
+        return joined
     step = joined.step or 1
     if not thresholds:
         return progression(joined.low, step, MODULUS // step)
@@ -281,8 +286,8 @@ def widen(old: Range, new: Range, thresholds: Sequence[int]) -> Range:
         low = thresholds[bisect_right(thresholds, low) - 1]
     if high != old.high:
         high = thresholds[bisect_left(thresholds, high) % len(thresholds)]
-    below = -(-((joined.low - low) & MASK) // step)
-    above = -(-((high - joined.high) & MASK) // step)
+    below = ((joined.low - low) & MASK) // step
+    above = ((high - joined.high) & MASK) // step
     n = joined.span // step + below + above
     if n * step >= MODULUS:
         return progression(joined.low, step, n)

@@ -373,17 +373,23 @@ class Functions:
         message = f"no bound was found for the loop at {block.address:#x} in {cfg.name}"
         return Problem(ProblemKind.LOOP, message, block.address, cfg.name)
 
+    def recognised(self, key: int) -> tuple[Recognised, ...]:
+        """The routines of the table of libraries of which a function consists."""
+        if key not in self.routines:
+            from mauve.wcet.flow.library import recognise
+
+            self.routines[key] = recognise(self.cfgs[key])
+        return self.routines[key]
+
     def _library(self, key: int, entered: State | None = None) -> dict[int, LoopBound]:
         """Bounds of the loops of a known routine, entered in a state if that is known."""
         nest = self.nest(key)
         if not nest.loops:
             return {}
-        from mauve.wcet.flow.library import STRING, library_bound, recognise
+        from mauve.wcet.flow.library import STRING, library_bound
         from mauve.wcet.flow.strings import longest
 
-        if key not in self.routines:
-            self.routines[key] = recognise(self.cfgs[key])
-        known = self.routines[key]
+        known = self.recognised(key)
         if not known:
             return {}
 

@@ -31,6 +31,7 @@ WHOLE = Path(__file__).parent / "whole"
 START, SIZE, BYTES = 0x2000_0000, 0x60, 0x5E
 TOP_OF_STACK, DEPTH = 0x2008_0000, 0x20
 REGISTERS, SLOTS = 6, 62
+FACTORS = (1, 2, 4, -1, -2, -4)
 LOADS = {"load": 4, "load_byte": 1, "load_signed_byte": 1, "load_half": 2, "load_signed_half": 2}
 GIVEN = (
     Given(START + 0x10, START + 0x1A),
@@ -115,7 +116,7 @@ class Trial:
         self.memory = Memory(replace(image(), segments=(data,)), unaligned, GIVEN)
         self.site = self.memory.site()
         start = [self.execution(content) for _ in range(4)]
-        registers = [*[0] * REGISTERS, *[0] * (SLOTS - REGISTERS)]
+        registers: list[Any] = [0] * SLOTS
         registers[RELATED] = {}
         self.paths = [Followed(Way(0, registers, self.memory.layer, Counters([], [], [], {})), start)]
 
@@ -246,10 +247,25 @@ class Trial:
             registers[target] = (registers[first] + number) & MASK
             for one in path.executions:
                 one.registers[target] = (one.registers[first] + number) & MASK
+        elif random.random() < 0.3 and type(registers[first]) in (int, Some):
+            by = random.choice([1, 2])
+            registers[target] = (registers[first] << by) & MASK
+            for one in path.executions:
+                one.registers[target] = (one.registers[first] << by) & MASK
         elif type(registers[first]) in (int, Some) and type(registers[second]) in (int, Some):
             registers[target] = (registers[first] + registers[second]) & MASK
             for one in path.executions:
                 one.registers[target] = (one.registers[first] + one.registers[second]) & MASK
+        self.compare(path)
+
+    def step(self, path: Followed) -> None:
+        """Two registers move in step."""
+        registers, random = path.way.registers, self.random
+        far, times = random.choice([1, MASK, 2]), random.choice([1, 2, 4, MASK])
+        for register, number in zip(random.sample(range(REGISTERS), 2), (far, far * times & MASK), strict=True):
+            registers[register] = (registers[register] + number) & MASK
+            for one in path.executions:
+                one.registers[register] = (one.registers[register] + number) & MASK
         self.compare(path)
 
     def tell(self, path: Followed) -> None:
@@ -298,12 +314,12 @@ class Trial:
 
     def iterate(self, path: Followed) -> None:
         """Stores of one more iteration of a loop; the memory is compared with the earlier one's and widened."""
-        before = keep(self.memory, path.way, COMPARED.places)
+        before = keep(self.memory, path.way, COMPARED.places, COMPARED.pairs)
         early = [one.copy() for one in path.executions]
         self.memory.enter(branch(before.path.layer))
         path.way.layer = self.memory.layer
         for _ in range(self.random.randint(0, 3)):
-            self.random.choice([self.store, self.add, self.tell])(path)
+            self.random.choice([self.store, self.add, self.step, self.step, self.tell])(path)
         if includes(self.memory, before, path.way):
             self.check(Followed(before.path, path.executions))
         path.way = widen(self.memory, before, path.way, COMPARED, ())
@@ -327,11 +343,17 @@ class Trial:
                     self.compare_difference(path, one, i, j)
 
     def compare_difference(self, path: Followed, one: Execution, i: int, j: int) -> None:
-        """What a path knows of the difference of two registers is so in an execution."""
-        (first, moved), (second, shifted) = base_of(path.way.registers[i]), base_of(path.way.registers[j])
-        found = path.way.registers[RELATED].get((id(first), id(second)))
-        if found is not None and type(path.way.registers[i]) is type(path.way.registers[j]):
-            assert (one.registers[i] - moved - one.registers[j] + shifted) & MASK in found[2]
+        """What a path knows of the difference of a register and a multiple of another is so in an execution."""
+        word, other = path.way.registers[i], path.way.registers[j]
+        (first, moved), (second, shifted) = base_of(word), base_of(other)
+        numbers = [
+            number - (TOP_OF_STACK if type(at) in (Stack, Stacks) else 0)
+            for at, number in ((word, one.registers[i]), (other, one.registers[j]))
+        ]
+        for factor in FACTORS:
+            found = path.way.registers[RELATED].get((id(first), id(second), factor))
+            if found is not None:
+                assert (numbers[0] - moved - factor * (numbers[1] - shifted)) & MASK in found[2]
 
     def check(self, path: Followed) -> None:
         """All that can be read."""

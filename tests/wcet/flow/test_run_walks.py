@@ -12,7 +12,7 @@ from mauve.wcet.binary.elf import Binary, load
 from mauve.wcet.flow.facts import AssumeFact, AtSymbol
 from mauve.wcet.flow.program import RAN, Programs
 from mauve.wcet.flow.result import ProgramFlow
-from mauve.wcet.flow.run import program
+from mauve.wcet.flow.run import machine, program
 from tests.emulator import Emulator
 from tests.wcet.soundness.replay import Replay, record
 
@@ -24,7 +24,7 @@ INPUTS = (
     AssumeFact(AtSymbol("samples"), None, None, 0),
     AssumeFact(AtSymbol("number"), None, None, 0),
 )
-NAMES = ("split", "measure", "reverse", "sort")
+NAMES = ("split", "measure", "reverse", "sort", "find", "drain")
 
 
 @cache
@@ -64,7 +64,7 @@ def test_each_loop_has_a_bound_that_no_input_exceeds(name: str, function: str) -
     assert not flow.problems and not any(found.problems for found in flow.functions.values())
     assert not replayed(name, function, flow).wrong
     mine = [found for found in flow.functions.values() if found.cfg.name == function]
-    most = {"split": 25, "measure": 24, "reverse": 11, "sort": 20}[function]
+    most = {"split": 25, "measure": 24, "reverse": 11, "sort": 20, "find": 21, "drain": 31}[function]
     assert all(bound.bound <= most for found in mine for bound in found.bounds.values())
 
 
@@ -77,6 +77,17 @@ def test_what_is_short_of_time_follows_all_values_at_once(
     flow = analysed(name, function)
     assert not replayed(name, function, flow).wrong
     assert any(found.bounds for found in flow.functions.values())
+
+
+@pytest.mark.parametrize("function", ["find", "drain"])
+def test_lists_and_pointers_that_move_with_a_count_have_bounds_all_values_at_once(
+    function: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(machine, "UNHURRIED", 1 << 40)
+    flow = analysed("cortex-m3-O2", function)
+    assert not flow.problems and not any(found.problems for found in flow.functions.values())
+    assert not replayed("cortex-m3-O2", function, flow).wrong
+    assert all(bound.bound <= 40 for found in flow.functions.values() for bound in found.bounds.values())
 
 
 @pytest.mark.parametrize("function", ["split", "measure"])

@@ -16,6 +16,7 @@ from mauve.wcet.flow.run.memory import Lost
 from mauve.wcet.flow.run.paths import Counters, Path
 from mauve.wcet.flow.run.remembered import Call
 from mauve.wcet.flow.run.repeats import Kept
+from mauve.wcet.flow.run.routines import Formulas, formulas, measures
 
 Place = tuple[int, ...]
 """Where a path is: per loop around it its place in the region around and the iteration, then the block's place."""
@@ -43,7 +44,8 @@ class Function:
     """A function made ready. `plain[edge]` is the target of an edge that only leads from block to block, None for one
     that counts for loops, calls or leaves; `starts` and `repeats` are the loops that an edge enters and repeats;
     `around[block]` the loops around a block with their places, and its own place; `exits[block]` those that are left
-    from it; `compared` is what it compares, `dead[block]` the registers that nothing reads from a block on."""
+    from it; `compared` is what it compares, `dead[block]` the registers that nothing reads from a block on; `routine`
+    are its loops where the table of library routines knows it, which `measures` a string or does not."""
 
     key: int
     cfg: Cfg
@@ -62,6 +64,8 @@ class Function:
     dead: list[tuple[int, ...]]
     closed: bool
     helper: Helper | None
+    routine: Formulas
+    measures: bool
     calls: list[Call] = field(default_factory=list)
     """calls that were followed, of a closed function"""
     undecided: set[int] = field(default_factory=set)
@@ -78,7 +82,7 @@ class Frame:
     None: anywhere); the paths that wait, by place. `ended` are the counters of paths that do not come back, `open` how
     often unknown values did not end each loop since it was entered, `kept` an earlier iteration of each such loop.
     `endless` are the loops that go on for as long as unknown values say, `proven` those of them with a bound all the
-    same, `loose` those with counts that say nothing.
+    same, `loose` those with counts that say nothing; `limits` are bounds that hold for its arguments.
     """
 
     function: Function
@@ -91,6 +95,7 @@ class Frame:
     kept: dict[int, Kept] = field(default_factory=dict)
     endless: set[int] = field(default_factory=set)
     proven: dict[int, int] = field(default_factory=dict)
+    limits: dict[int, int] = field(default_factory=dict)
     loose: set[int] = field(default_factory=set)
 
 
@@ -130,9 +135,11 @@ def prepare(key: int, source: Any, sites: Sites) -> Function:
     for loop in nest.loops:
         for block in {e.source for e in cfg.edges if e.source in loop.blocks and e.target not in loop.blocks}:
             exits.setdefault(block, []).append(loop.id)
+    recognised = source.recognised(key)
     function = Function(
         *(key, cfg, nest, order, code, sizes, plain, starts, repeats, group, around, headers, exits),
         *(compared_in(cfg), dead_registers(cfg), source.closed(key), source.helper(key)),
+        *(formulas(cfg, nest, recognised), any(part.whole and measures(part.known.names) for part in recognised)),
     )
     function.limits |= source.known(key)
     return function

@@ -8,7 +8,19 @@ from mauve.wcet.binary.microop import Op
 from mauve.wcet.flow import domain
 from mauve.wcet.flow.domain import TOP, Range
 from mauve.wcet.flow.run.cells import Shared, byte_of, half_in, made_of, mates_at, parts_of, together, values_of
-from mauve.wcet.flow.run.layers import Cell, Half, Layer, Part, Value, common, forgotten, release, written
+from mauve.wcet.flow.run.layers import (
+    Cell,
+    Half,
+    Layer,
+    Part,
+    Value,
+    chain,
+    common,
+    forgotten,
+    lowest,
+    release,
+    written,
+)
 from mauve.wcet.flow.run.memory import DATA_END, Memory
 from mauve.wcet.flow.run.words import WILD, Ranged, Some, Word, covers, merge, range_of
 
@@ -112,12 +124,27 @@ def pairs_since(memory: Memory, a: Layer, b: Layer, base: Layer) -> Iterator[tup
             yield key, memory.look(a, key), second
 
 
+def pairs_apart(memory: Memory, wide: Layer, layer: Layer) -> list[tuple[int, Cell, Cell]] | None:
+    """The cells in which the memory of a path may differ from that of another one, which came from it, as they are on
+    both; None where it forgot more than the first had forgotten."""
+    base = common(wide, layer)
+    forgets, wild = forgotten(layer, base)
+    pairs = list(pairs_since(memory, wide, layer, base))
+    if not forgets:
+        return pairs
+    last = lowest(wide)
+    if not last.forgets or (wild and not last.wild):
+        return None
+    # Of all but these, the first knew nothing either.
+    met = {key for key, _, _ in pairs}
+    known = dict.fromkeys(key for one in chain(wide, last) for key in one.cells if key < DATA_END and key not in met)
+    return pairs + [(key, memory.look(wide, key), memory.look(layer, key)) for key in known]
+
+
 def includes(memory: Memory, wide: Layer, layer: Layer) -> bool:
     """Whether the memory of a path covers that of another one, which came from it."""
-    base = common(wide, layer)
-    if forgotten(layer, base)[0]:
-        return False
-    return all(covers_cell(first, second) for _, first, second in pairs_since(memory, wide, layer, base))
+    pairs = pairs_apart(memory, wide, layer)
+    return pairs is not None and all(covers_cell(first, second) for _, first, second in pairs)
 
 
 def covers_cell(wide: Cell, cell: Cell) -> bool:

@@ -9,6 +9,7 @@ that all cells of an array of which the same is known are one and the same objec
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import TypeAlias
 
 from mauve.wcet.flow.domain import Range
@@ -97,16 +98,16 @@ def common(a: Layer, b: Layer) -> Layer:
 def written(layer: Layer, base: Layer, stack: int) -> dict[int, Cell]:
     """The cells written on the way from a layer below and not forgotten since; not to be changed. `stack`: the first
     key of the stack."""
-    chain: list[Layer] = []
+    layers: list[Layer] = []
     one: Layer | None = layer
     while one is not None and one is not base:
         if one.cells or one.forgets:
-            chain.append(one)
+            layers.append(one)
         one = one.below
-    if len(chain) == 1:
-        return chain[0].cells
+    if len(layers) == 1:
+        return layers[0].cells
     found: dict[int, Cell] = {}
-    for layer in reversed(chain):
+    for layer in reversed(layers):
         if layer.forgets:
             found = {key: cell for key, cell in found.items() if key >= stack}
         found.update(layer.cells)
@@ -133,6 +134,16 @@ def put_where(layer: Layer, key: int, cell: Cell) -> None:
             one.cells[key] = cell
             return
         one = one.below
+
+
+def chain(layer: Layer, last: Layer) -> Iterator[Layer]:
+    """The layers from one down to another, both included."""
+    one = layer
+    while one is not last:
+        yield one
+        assert one.below is not None
+        one = one.below
+    yield last
 
 
 def lowest(layer: Layer) -> Layer:

@@ -6,22 +6,27 @@ from typing import Any
 
 from mauve.wcet.flow import domain
 from mauve.wcet.flow.domain import Range
+from mauve.wcet.flow.run.compile import RELATED
 from mauve.wcet.flow.run.memory import Memory
 from mauve.wcet.flow.run.narrow import Told, narrower
+from mauve.wcet.flow.run.related import Related, follow
 from mauve.wcet.flow.run.words import Ranged
 
 
 def learn(registers: list[Any], memory: Memory, found: Told) -> None:
-    """Leave words the values that are told of them, and so those that they are sums of, and the addresses that they
-    were read at."""
+    """Leave words the values that are told of them, and so those that they are sums of, those that they move in step
+    with, and the addresses that they were read at."""
+    related: Related = registers[RELATED]
     for word, values in found:
         _leave(registers, memory, word, values)
+        for other, rest in follow(word, values, related) if related else ():
+            _leave(registers, memory, other, rest)
         addresses = None if word.source is None else memory.where(word.source, values)
         if word.source is not None and addresses is not None:
             _leave(registers, memory, word.source.address, addresses)
         base = word.base
-        for term, other in () if base.terms is None else (base.terms, base.terms[::-1]):
-            rest = domain.sub(domain.shift(values, -word.offset), other.range)
+        for term, apart in () if base.terms is None else (base.terms, base.terms[::-1]):
+            rest = domain.sub(domain.shift(values, -word.offset), apart.range)
             if not domain.includes(rest, term.range):
                 _leave(registers, memory, term, rest)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import fields
 
 from mauve.wcet.binary.graph import Cfg, EdgeKind
@@ -25,30 +26,40 @@ from mauve.wcet.binary.microop import (
 CORE = 15
 """Registers r0 to r14."""
 _ALL = (1 << CORE) - 1
+_LEAVING = (EdgeKind.TAIL_CALL, EdgeKind.RETURN)
 
 
 def dead_registers(cfg: Cfg) -> list[tuple[int, ...]]:
     """Per block the registers that nothing reads from its start on before they are written. A callee or a
     caller may read all."""
+    live = live_registers(cfg, range(len(cfg.blocks)), leaves=True)
+    return [tuple(r for r in range(CORE) if r not in live[block.id]) for block in cfg.blocks]
+
+
+def live_registers(cfg: Cfg, inside: Collection[int], *, leaves: bool = False) -> dict[int, frozenset[int]]:
+    """The registers that may be read from the start of each of some blocks on before they are written, in these
+    blocks or by a callee; where control `leaves` the function by a caller as well."""
     following: dict[int, list[int]] = {}
-    behind = [0] * len(cfg.blocks)
+    behind = dict.fromkeys(inside, 0)
     for edge in cfg.edges:
-        if edge.kind in (EdgeKind.CALL, EdgeKind.TAIL_CALL, EdgeKind.RETURN) or edge.callees:
+        if edge.source not in behind:
+            continue
+        if edge.callees or edge.kind is EdgeKind.CALL or (leaves and edge.kind in _LEAVING):
             behind[edge.source] = _ALL
-        if edge.target >= 0:
+        if edge.target in behind:
             following.setdefault(edge.source, []).append(edge.target)
-    entering = [_before(block.instructions, behind[block.id]) for block in cfg.blocks]
+    entering = {block: _before(cfg.blocks[block].instructions, behind[block]) for block in inside}
     changed = True
     while changed:
         changed = False
-        for block in reversed(cfg.blocks):
-            out = behind[block.id]
-            for target in following.get(block.id, ()):
+        for block in reversed(inside if isinstance(inside, range) else sorted(inside)):
+            out = behind[block]
+            for target in following.get(block, ()):
                 out |= entering[target]
-            if out != behind[block.id]:
-                behind[block.id], changed = out, True
-                entering[block.id] = _before(block.instructions, out)
-    return [tuple(r for r in range(CORE) if not live >> r & 1) for live in entering]
+            if out != behind[block]:
+                behind[block], changed = out, True
+                entering[block] = _before(cfg.blocks[block].instructions, out)
+    return {block: frozenset(r for r in range(CORE) if live >> r & 1) for block, live in entering.items()}
 
 
 def _before(instructions: tuple[Instruction, ...], live: int) -> int:
@@ -89,4 +100,4 @@ def _bits(*operands: Operand) -> int:
     return sum({1 << operand for operand in operands if isinstance(operand, int) and 0 <= operand < CORE})
 
 
-__all__ = ["dead_registers"]
+__all__ = ["CORE", "dead_registers", "live_registers"]

@@ -62,7 +62,8 @@ def arrive(machine: Machine, frame: Frame, block: int) -> int:
         release(kept.path.layer)
     layer = memory.layer
     now = Path(block, machine.registers, layer, frame.now)
-    frame.kept[loop] = keep(memory, now, places, starts_of(frame, block, loop), since, rounds)
+    outer = starts_of(frame, block, loop)
+    frame.kept[loop] = keep(memory, now, places, compared.pairs, outer, since, rounds)
     memory.enter(Layer(layer))
     return block
 
@@ -89,8 +90,8 @@ def _goes_on(machine: Machine, frame: Frame, loop: int, kept: Kept, path: Path) 
     frame.function.endless.add(loop)
     before = kept.path.counters.current[loop]
     apart = path.counters.current[loop] - before
-    more = iterations(machine.memory, kept, path, frame.function.compared.pairs, apart)
-    limit = machine.limit_of(frame.function, loop) if more is None else before + more
+    more = iterations(machine.memory, kept, path, frame.function, loop, apart)
+    limit = machine.limit_of(frame, loop) if more is None else before + more
     if limit is None:
         frame.endless.add(loop)
     else:

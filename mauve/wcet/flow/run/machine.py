@@ -39,6 +39,7 @@ from mauve.wcet.flow.run.narrow import Told, told, within
 from mauve.wcet.flow.run.paths import Counters, Meeting, Path
 from mauve.wcet.flow.run.related import told_apart
 from mauve.wcet.flow.run.remembered import ARGUMENTS, MOST_APART, RESULTS, Call, computed, result_of
+from mauve.wcet.flow.run.routines import length_at, limits
 from mauve.wcet.flow.run.words import UNKNOWN, WILD, Some, Stack, Undecided, Word, fresh, is_wild, made
 
 MOST_DEPTH = 1_500
@@ -77,7 +78,7 @@ class Machine:
 
     def run(self, entry: int) -> int:
         """Run from an entry (a key) to its return: the number of its behaviour. Raises Lost or Unresolved."""
-        self.registers = [*(fresh() for _ in range(16)), *[UNKNOWN] * (SLOTS - 16)]
+        self.registers = [*(fresh() for _ in range(16)), *[UNKNOWN] * 8, *(fresh() for _ in range(24, SLOTS))]
         self.registers[13], self.registers[DEPTH], self.registers[FLOAT_MODE] = Stack(0), 0, 0
         self.registers[ASKED] = self.registers[ASSUMED] = None
         self.registers[RELATED] = {}
@@ -104,7 +105,12 @@ class Machine:
         simple = back is not None and len(back) == 1
         arguments = [self.registers[number] for number in ARGUMENTS]
         if not simple or not function.closed or all(type(word) is int for word in arguments):
-            return self._execute(function, back)[0]
+            length = length_at(arguments[0], self.memory) if function.measures and self.parted else None
+            number = self._execute(function, back)[0]
+            result = None if length is None else within(self.registers[0], length)
+            if result is not None:
+                self.registers[0] = result
+            return number
         found = next((call for call in function.calls if call.holds_for(self.registers)), None)
         if found is None:
             found, number = self._remember(function, back)
@@ -152,6 +158,8 @@ class Machine:
         for loop in function.nest.loops:
             if loop.header == function.cfg.entry:
                 frame.now.current[loop.id] = frame.now.most[loop.id] = 1
+        if function.routine and self.parted:
+            frame.limits = limits(function.routine, self.registers, self.memory)
         depth, sp = self.registers[DEPTH], self.registers[13]
         self.registers[DEPTH] = start = sp.offset if type(sp) is Stack else 0
         self.depth += 1
@@ -252,16 +260,19 @@ class Machine:
         count = now.current[loop] + 1
         # A path with values that no execution has may go on for ever.
         asks = frame.open.get(loop, 0) > ASKING or (count % LONG == 0 and self.parted)
-        if asks or loop in frame.function.limits:
-            limit = self.limit_of(frame.function, loop)
+        if asks or loop in frame.function.limits or loop in frame.limits:
+            limit = self.limit_of(frame, loop)
             if limit is not None and count > limit:
                 raise Impossible
         now.current[loop] = count
         if count > now.most[loop]:
             now.most[loop] = count
 
-    def limit_of(self, function: Function, loop: int) -> int | None:
-        """A bound of a loop, whatever the function is called with."""
+    def limit_of(self, frame: Frame, loop: int) -> int | None:
+        """A bound of a loop: for the arguments of this call, or whatever the function is called with."""
+        function = frame.function
+        if loop in frame.limits:
+            return min(frame.limits[loop], function.limits.get(loop) or frame.limits[loop])
         if loop not in function.limits:
             function.limits[loop] = self.source.bound(function.key, loop)
         return function.limits[loop]

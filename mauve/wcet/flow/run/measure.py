@@ -10,19 +10,21 @@ from __future__ import annotations
 
 from mauve.wcet.flow import domain
 from mauve.wcet.flow.domain import MODULUS, Range
-from mauve.wcet.flow.run.compared import Pairs, Where
+from mauve.wcet.flow.run.compared import Where
 from mauve.wcet.flow.run.compile import RELATED
+from mauve.wcet.flow.run.frames import Function
 from mauve.wcet.flow.run.memory import Memory
 from mauve.wcet.flow.run.paths import Path, word_at
 from mauve.wcet.flow.run.related import difference
 from mauve.wcet.flow.run.repeats import Kept
+from mauve.wcet.flow.run.states import few_states
 from mauve.wcet.flow.run.words import Ranged, Some, Word
 
 MOST_SPAN = 1 << 24
 """A word that may move farther says nothing of a loop but how wide a register is."""
 
 
-def iterations(memory: Memory, kept: Kept, path: Path, pairs: Pairs, apart: int) -> int | None:
+def iterations(memory: Memory, kept: Kept, path: Path, function: Function, loop: int, apart: int) -> int | None:
     """How many more times the header of a loop is executed, at most, after the path that was kept came to it. Of that
     path every later one is a special case, such as `path`, which came `apart` iterations later. None where no word
     tells."""
@@ -32,7 +34,7 @@ def iterations(memory: Memory, kept: Kept, path: Path, pairs: Pairs, apart: int)
         if step is not None:
             found += _most(start.range, step)
         found += _shrinking(start, word_at(memory, place, path))
-    for a, b in pairs:
+    for a, b in function.compared.pairs:
         first, second = word_at(memory, a, kept.path), word_at(memory, b, kept.path)
         if first is None or second is None or not (isinstance(first, Ranged) and isinstance(second, Ranged)):
             continue
@@ -40,6 +42,9 @@ def iterations(memory: Memory, kept: Kept, path: Path, pairs: Pairs, apart: int)
         one, other = _step(memory, a, kept.path, path), _step(memory, b, kept.path, path)
         if values is not None and one is not None and other is not None:
             found += _most(values, domain.sub(one, other))
+    states = few_states(memory, kept, path, function, loop)
+    if states is not None:
+        found.append(states - 1)
     return (min(found) + 1) * apart - 1 if found else None
 
 

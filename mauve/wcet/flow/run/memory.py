@@ -78,6 +78,8 @@ class Memory:
         self.high: list[int] = []
         self.wild: set[int] = set()
         self.stores = 0
+        self.vague = 0
+        """how often several places may have been written, or something read that the program may not have written"""
         self.leaked = False
         """whether an address in the stack was ever written outside of it"""
         self.shared = Shared()
@@ -167,19 +169,21 @@ class Memory:
         """What is read at one of several addresses; `every` are the values that an access of its kind can give."""
         keys = self._keys(address, site, size)
         if keys is None:
+            self.vague += 1
             if is_wild(address) or self.leaked:
                 return WILD
             return fresh(every)
         if len(keys) == 1:
             return read(keys[0])
         if not self.leaked and any(self._elsewhere(key, size) for key in (keys[0], keys[-1])):
+            self.vague += 1
             return self._from(address, fresh(every), size, extend)
         places = several.groups(keys, size)
         if places is not None:
             values = several.read(list(self._cells_at(places)), size, extend)
             if values is not None:
                 return self._from(address, made(values), size, extend)
-        return several.covering(map(read, keys))
+        return several.covering(map(read, keys), None if self.leaked or keys[-1] >= DATA_END else every)
 
     def _from(self, address: Word, word: Word, size: int, extend: Op) -> Word:
         """A word that was read at one of several addresses."""
@@ -219,6 +223,31 @@ class Memory:
         else:
             return True
         return domain.concrete(source.extension, number, 0) in values
+
+    def longest(self, address: Word) -> int | None:
+        """The greatest length of the string at an address, the 0 at its end included: up to the first byte that is
+        certainly 0. None where there is none."""
+        keys = (address,) if type(address) is int else self._keys_of(address)
+        if type(address) is Stack:
+            keys = (STACK + address.offset,)
+        if keys is None:
+            return None
+        first, last = min(keys), max(keys)
+        end = next((key for key in range(last, last + MOST_PLACES) if self._is_zero(key)), None)
+        if end is None or last - first > MOST_PLACES:
+            return None
+        most = end + 1 - last
+        for key in range(last - 1, first - 1, -1):
+            end = key if self._is_zero(key) else end
+            if key in keys:
+                most = max(most, end + 1 - key)
+        return most
+
+    def _is_zero(self, key: int) -> bool:
+        """Whether a byte is certainly 0."""
+        cell = self.look(self.layer, key & ~3)
+        part = cell[key & 3] if isinstance(cell, list) else cell >> 8 * (key & 3) if type(cell) is int else 1
+        return type(part) is int and not part & 0xFF
 
     def _elsewhere(self, key: int, size: int) -> bool:
         """Whether an access goes to a word that is in no segment, where anything may be read."""
@@ -364,6 +393,7 @@ class Memory:
         if type(address) is Stack:
             self.wild.add(site)
             return (STACK + address.offset,)
+        self.vague += 1
         keys = self._keys(address, site, size)
         if keys is not None:
             if is_wild(value) and keys[0] < DATA_END:
@@ -449,6 +479,7 @@ class Memory:
             return TOP
         number = bisect_right(self._starts, key + 3) - 1
         if number < 0:
+            self.vague += 1
             return fresh()
         segment = self._segments[number]
         if segment.address <= key and key + 4 <= segment.end:
@@ -461,6 +492,7 @@ class Memory:
             parts: list[Part] = [word >> 8 * i & 0xFF for i in range(4)]
         else:
             parts = [self._initial_byte(key + i) for i in range(4)]
+            self.vague += any(part is UNKNOWN for part in parts)
             if all(part is UNKNOWN for part in parts):
                 return fresh()
         cell = self._as_given(key, parts)

@@ -17,6 +17,7 @@ from mauve.wcet.binary.split import restricted, split_irreducible
 from mauve.wcet.flow import domain
 from mauve.wcet.flow.assumed import IN_REGISTERS
 from mauve.wcet.flow.domain import Range
+from mauve.wcet.flow.library import Recognised
 from mauve.wcet.flow.locations import Helper
 from mauve.wcet.flow.order import Order, arrange
 from mauve.wcet.flow.result import AddressRange, ContextKey, FunctionFlow, LoopBound
@@ -74,6 +75,9 @@ class Functions(Protocol):
 
     def helper(self, key: int) -> Helper | None:
         """What a run-time helper computes, by its name."""
+
+    def recognised(self, key: int) -> tuple[Recognised, ...]:
+        """The routines of the table of libraries of which a function consists."""
 
     def bound_anyhow(self, key: int, loop: int, deadline: float | None) -> int | None:
         """Executions of a loop's header per entry, whatever the function is called with; None as well where that is not
@@ -156,6 +160,10 @@ class Source:
     def helper(self, key: int) -> Helper | None:
         """What a run-time helper computes, by its name."""
         return self._functions.helper(key)
+
+    def recognised(self, key: int) -> tuple[Recognised, ...]:
+        """The routines of the table of libraries of which a function consists."""
+        return () if key in self.unstructured or key in self._restricted else self._functions.recognised(key)
 
     @property
     def unaligned(self) -> bool:

@@ -16,8 +16,9 @@ from mauve.wcet.flow.domain import MASK, SIGN, Range
 from mauve.wcet.flow.run.flags import CS, EQ, GE, GT, HI, Flags, Source
 from mauve.wcet.flow.run.words import Ranged, Some, Stack, Stacks, Word, offsets_of, range_of
 
-Related: TypeAlias = dict[tuple[int, int], tuple[Ranged, Ranged, Range]]
-"""By the identities of two bases: the bases, and the values of the first less the second. Never changed in place."""
+Related: TypeAlias = dict[tuple[int, int, int], tuple[Ranged, Ranged, Range]]
+"""By the identities of two bases and a factor: the bases, and the values of the first less so many times the second.
+Never changed in place."""
 
 MOST, FAR, WIDE = 32, 1 << 16, 1 << 12
 """Pairs of words that a path knows something of; how far apart two of them may lie; how many values both may have where
@@ -49,8 +50,12 @@ def _is_known(a: Word, b: Word, related: Related) -> bool:
     from_a, from_b = a.base, b.base
     if from_a is from_b:
         return True
-    key = id(from_a), id(from_b)
-    return key in related or key[::-1] in related or from_a.terms is not None or from_b.terms is not None
+    return (
+        _key(from_a, from_b) in related
+        or _key(from_b, from_a) in related
+        or from_a.terms is not None
+        or from_b.terms is not None
+    )
 
 
 def _is_near(word: Word) -> bool:
@@ -74,10 +79,10 @@ def base_of(word: Word) -> tuple[Ranged | None, int]:
 def _told(a: Ranged, b: Ranged, related: Related) -> list[Range]:
     """What else is known of the difference of two bases."""
     known = []
-    found = related.get((id(a), id(b)))
+    found = related.get(_key(a, b))
     if found is not None:
         known.append(found[2])
-    found = related.get((id(b), id(a)))
+    found = related.get(_key(b, a))
     if found is not None:
         known.append(domain.negate(found[2]))
     if a.terms is None and b.terms is None:
@@ -91,17 +96,85 @@ def _told(a: Ranged, b: Ranged, related: Related) -> list[Range]:
     return known
 
 
-def with_difference(a: Word, b: Word, values: Range, related: Related) -> Related:
-    """What is known when a - b is one of the values as well."""
+def _key(a: Ranged, b: Ranged, factor: int = 1) -> tuple[int, int, int]:
+    return id(a), id(b), factor
+
+
+def with_difference(a: Word, b: Word, values: Range, related: Related, factor: int = 1) -> Related:
+    """What is known when a less `factor` times b is one of the values as well."""
     from_a, at_a = base_of(a)
     from_b, at_b = base_of(b)
     if from_a is None or from_b is None:
         return related
-    key = id(from_a), id(from_b)
-    found = {one: known for one, known in related.items() if one not in (key, key[::-1])}
+    key = _key(from_a, from_b, factor)
+    found = {one: known for one, known in related.items() if one not in (key, (key[1], key[0], 1))}
     if len(found) >= MOST:
         del found[next(iter(found))]
-    found[key] = from_a, from_b, domain.shift(values, at_b - at_a)
+    found[key] = from_a, from_b, domain.shift(values, factor * at_b - at_a)
+    return found
+
+
+def apart(a: Word, b: Word, factor: int, related: Related) -> Range | None:
+    """The values of a less `factor` times b (offsets in the place of addresses in the stack); None where they are not
+    known."""
+    first, second = _number(a), _number(b)
+    if first is None or second is None:
+        return None
+    if factor == 1 and (type(a) in _IN_STACK) == (type(b) in _IN_STACK):
+        return difference(a, b, related)
+    values = domain.sub(first, domain.scale(second, factor))
+    (from_a, at_a), (from_b, at_b) = base_of(a), base_of(b)
+    if from_a is None or from_b is None:
+        return values
+    found = related.get(_key(from_a, from_b, factor))
+    known = None if found is None else found[2]
+    if known is None:
+        known = multiple(from_a, from_b, factor)
+    met = None if known is None else domain.meet(domain.shift(known, at_a - factor * at_b), values)
+    return values if met is None else met
+
+
+def multiple(a: Ranged, b: Ranged, factor: int) -> Range | None:
+    """The values of a less `factor` times b where a was made as such a multiple, or as a sum with one; None for other
+    words."""
+    whole = _shifted(a, factor)
+    if whole is not None and whole.base is b:
+        return domain.constant(factor * whole.offset)
+    for term, other in () if a.terms is None else (a.terms, a.terms[::-1]):
+        whole = _shifted(term.base, factor)
+        if whole is not None and whole.base is b:
+            return domain.shift(other.range, term.offset + factor * whole.offset)
+    return None
+
+
+def _shifted(word: Ranged, factor: int) -> Some | None:
+    """The word of which another is a multiple, modulo 2**32."""
+    if type(word) is not Some or word.low is None or word.low[1] + word.low[2] != 32:
+        return None
+    return word.low[0] if factor == 1 << word.low[2] else None
+
+
+def _number(word: Word) -> Range | None:
+    return offsets_of(word) if type(word) in _IN_STACK else range_of(word) if type(word) in (int, Some) else None
+
+
+def follow(word: Ranged, values: Range, related: Related) -> list[tuple[Ranged, Range]]:
+    """What follows for other words where one is one of these values."""
+    base, found = word.base, []
+    numbers = domain.shift(values, -word.offset)
+    for (_, _, factor), (x, y, known) in related.items():
+        if y is base:
+            found.append((x, domain.add(domain.scale(numbers, factor), known)))
+        elif x is base:
+            low, high = y.range.signed_bounds()
+            if max(-low, high) * abs(factor) >= SIGN:
+                continue
+            # The multiple does not go around the circle: it is one of these numbers with a sign.
+            first, last = domain.sub(numbers, known).signed_bounds()
+            first, last = (first, last) if factor > 0 else (-last, -first)
+            least, most = -(-first // abs(factor)), last // abs(factor)
+            if least <= most:
+                found.append((y, domain.between(least & MASK, most & MASK)))
     return found
 
 
@@ -165,6 +238,7 @@ Triple: TypeAlias = tuple[Word, Word, Word]
 """A word on one path, on another, and where they have met."""
 
 
+_IN_STACK = (Stack, Stacks)
 Combine: TypeAlias = Callable[[Range, Range], Range]
 
 
@@ -176,10 +250,12 @@ def together(
     alive: Container[int],
     starts: Container[int],
     combine: Combine = domain.join,
+    lines: Sequence[tuple[Triple, Triple, int]] = (),
 ) -> Related:
     """What is known of differences where two paths meet. `words` are those that became another, `pairs` those that the
     function compares, `alive` the bases (their identities) that lie in registers, `starts` those from which
-    distances are kept in any case; `combine` makes one range of two."""
+    distances are kept in any case; `combine` makes one range of two; `lines` are words that move in step, with the
+    factor."""
     found: Related = {}
     words = list(words) if starts or one or other else ()
     for triple in words if starts else ():
@@ -189,6 +265,8 @@ def together(
     for first, second in pairs:
         if first[0] is not first[1] or second[0] is not second[1]:
             found = _met(first, second, one, other, combine, found, always=True)
+    for first, second, factor in lines:
+        found = _met(first, second, one, other, combine, found, factor, always=True)
     if not one and not other:
         return found
     became: dict[int, list[Triple]] = {}
@@ -204,7 +282,7 @@ def together(
         seconds = (*seconds, (y, y, y)) if not seconds or key[1] in alive else seconds
         for first in firsts:
             for second in seconds:
-                found = _met(first, second, one, other, combine, found)
+                found = _met(first, second, one, other, combine, found, key[2])
     return found
 
 
@@ -215,6 +293,7 @@ def _met(
     other: Related,
     combine: Combine,
     found: Related,
+    factor: int = 1,
     *,
     always: bool = False,
 ) -> Related:
@@ -223,24 +302,29 @@ def _met(
     (a, b, c), (x, y, z) = first, second
     if not isinstance(c, Ranged) or not isinstance(z, Ranged) or c.base is z.base or len(found) >= MOST:
         return found
-    if (id(c.base), id(z.base)) in found or (id(z.base), id(c.base)) in found:
+    if _key(c.base, z.base, factor) in found or (factor == 1 and _key(z.base, c.base) in found):
         return found
-    if not (_is_known(a, x, one) or _is_known(b, y, other) or (always and _is_near(c) and _is_near(z))):
+    is_told = _is_known(a, x, one) or _is_known(b, y, other) or (always and _is_near(c) and _is_near(z))
+    if factor == 1 and type(c) is type(z) and not is_told:
         return found
-    here, there = difference(a, x, one), difference(b, y, other)
+    here, there = apart(a, x, factor, one), apart(b, y, factor, other)
     if here is None or there is None:
         return found
     values = combine(here, there)
-    if values.span >= min(c.range.span + z.range.span, FAR):
+    if values.span >= min(c.range.span + abs(factor) * z.range.span, FAR):
         return found
-    return with_difference(c, z, values, found)
+    return with_difference(c, z, values, found, factor)
 
 
 __all__ = [
     "Related",
     "Triple",
+    "apart",
     "base_of",
     "difference",
+    "follow",
+    "multiple",
     "together",
     "told_apart",
+    "with_difference",
 ]

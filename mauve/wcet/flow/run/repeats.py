@@ -2,22 +2,31 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Container, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 from mauve.wcet.flow import domain
 from mauve.wcet.flow.domain import MASK, SIGN, Range
 from mauve.wcet.flow.run.cells import parts_of
-from mauve.wcet.flow.run.compared import Compared, Register, Where
+from mauve.wcet.flow.run.compared import Compared, Pairs, Register, Where
 from mauve.wcet.flow.run.compared import borders as beside
 from mauve.wcet.flow.run.compile import ASKED, ASSUMED, DEPTH, RELATED, TARGET
-from mauve.wcet.flow.run.joining import covers_cell, pairs_since, widen_layer
+from mauve.wcet.flow.run.joining import covers_cell, pairs_apart, widen_layer
 from mauve.wcet.flow.run.joining import includes as memory_includes
-from mauve.wcet.flow.run.layers import Cell, Half, Layer, Part, Value, common, forgotten
-from mauve.wcet.flow.run.memory import Memory
+from mauve.wcet.flow.run.layers import Cell, Half, Layer, Part, Value
+from mauve.wcet.flow.run.memory import DATA_END, Memory
 from mauve.wcet.flow.run.paths import Path, Starts, word_at, words_at
-from mauve.wcet.flow.run.related import Related, Triple, base_of, difference, together
+from mauve.wcet.flow.run.related import (
+    Related,
+    Triple,
+    apart,
+    base_of,
+    difference,
+    multiple,
+    together,
+    with_difference,
+)
 from mauve.wcet.flow.run.words import UNKNOWN, Ranged, Some, Stack, Stacks, Word, covers, widened
 
 _NO_VALUES = frozenset({TARGET, DEPTH, ASKED, ASSUMED, RELATED})
@@ -33,29 +42,45 @@ ends."""
 class Kept:
     """A path as it was at the header of a loop. `uses` is how often each word occurs in it, by the identity of its
     base; `starts` are the words in it that the function compares, `since` the work done before the first
-    such path of the loop, `rounds` how often it was made wider."""
+    such path of the loop, `rounds` how often it was made wider, `vague` see Memory."""
 
     path: Path
     uses: dict[int, int]
     starts: Starts
     since: int = 0
     rounds: int = 0
+    vague: int = 0
 
 
 def keep(
-    memory: Memory, path: Path, places: Sequence[Where], outer: Starts = (), since: int = 0, rounds: int = 0
+    memory: Memory,
+    path: Path,
+    places: Sequence[Where],
+    pairs: Pairs = (),
+    outer: Starts = (),
+    since: int = 0,
+    rounds: int = 0,
 ) -> Kept:
     """Remember a path with the words at `places`; its layer is not written to any more. What words in its registers
-    tell of other words is forgotten, on the path as well: of a later iteration it need not be so. `outer` are the
-    starts of loops around."""
+    tell of other words is forgotten, on the path as well, but for how `pairs` of them differ: of a later iteration it
+    need not be so. `outer` are the starts of loops around."""
     registers = path.registers
+    both = [(a.number, b.number) for a, b in pairs if isinstance(a, Register) and isinstance(b, Register)]
+    known = [(a, b, difference(registers[a], registers[b], registers[RELATED])) for a, b in both]
+    multiples = _multiples(registers)
     plain: dict[int, Ranged] = {}
     for number in range(15):
         word = registers[number]
         if isinstance(word, Ranged) and _tells(word):
-            values = domain.shift(word.range, -word.offset)
-            base = plain.setdefault(id(word.base), type(word)(values))
+            base = plain.setdefault(id(word.base), type(word)(domain.shift(word.range, -word.offset)))
             registers[number] = base.moved(word.offset)
+    if plain:
+        for a, b, values in known:
+            left = difference(registers[a], registers[b], registers[RELATED])
+            if values is not None and left is not None and values.span < left.span:
+                registers[RELATED] = with_difference(registers[a], registers[b], values, registers[RELATED])
+    for a, b, factor, rest in multiples:
+        registers[RELATED] = with_difference(registers[a], registers[b], rest, registers[RELATED], factor)
     uses: dict[int, int] = {}
     for word in (*registers, *_words_below(path.layer)):
         if isinstance(word, Ranged):
@@ -66,7 +91,25 @@ def keep(
     registers[RELATED] = {key: pair for key, pair in related.items() if key[0] in wanted and key[1] in wanted}
     found = [(place, word_at(memory, place, path)) for place in places]
     starts = [(place, word) for place, word in found if isinstance(word, Ranged)]
-    return Kept(Path(path.block, registers[:], path.layer, path.counters.copy()), uses, starts, since, rounds)
+    return Kept(
+        Path(path.block, registers[:], path.layer, path.counters.copy()), uses, starts, since, rounds, memory.vague
+    )
+
+
+def _multiples(registers: Sequence[Any]) -> list[tuple[int, int, int, Range]]:
+    """Registers of which one was made as a multiple of the other: both, the factor, and what one is less the
+    multiple."""
+    found = []
+    wholes = [(n, word) for n, word in enumerate(registers[:15]) if isinstance(word, Ranged)]
+    for a, word in wholes:
+        for part in (word.base, *(word.base.terms or ())):
+            low = part.base.low if type(part.base) is Some else None
+            for b, other in wholes if low is not None and low[2] else ():
+                values = multiple(word.base, other.base, 1 << low[2]) if low is not None else None
+                if low is not None and values is not None:
+                    factor = 1 << low[2]
+                    found.append((a, b, factor, domain.shift(values, word.offset - factor * other.offset)))
+    return found
 
 
 def _tells(word: Ranged) -> bool:
@@ -84,12 +127,14 @@ def changed(kept: Kept, path: Path) -> list[Where]:
 def _words_below(layer: Layer) -> Iterator[Value]:
     """The words in memory as a path sees it."""
     seen: set[int] = set()
+    forgotten = False
     one: Layer | None = layer
     while one is not None:
         for key, cell in one.cells.items():
-            if key not in seen:
+            if key not in seen and not (forgotten and key < DATA_END):
                 seen.add(key)
                 yield from _words_of(cell)
+        forgotten = forgotten or one.forgets
         one = one.below
 
 
@@ -144,16 +189,16 @@ def includes(memory: Memory, kept: Kept, path: Path) -> bool:
     for number, (a, b) in enumerate(zip(wide.registers, path.registers, strict=True)):
         if number not in _NO_VALUES and not ((a is b or covers(a, b)) and places.agree(a, b)):
             return False
-    base = common(wide.layer, path.layer)
-    if forgotten(path.layer, base)[0]:
+    pairs = pairs_apart(memory, wide.layer, path.layer)
+    if pairs is None:
         return False
-    for _, first, second in pairs_since(memory, wide.layer, path.layer, base):
+    for _, first, second in pairs:
         if not covers_cell(first, second) or not _cell_agrees(first, second, places):
             return False
     if not places.complete():
         return False
-    for x, y, values in wide.registers[RELATED].values():
-        found = difference(places.now(x), places.now(y), path.registers[RELATED])
+    for key, (x, y, values) in wide.registers[RELATED].items():
+        found = apart(places.now(x), places.now(y), key[2], path.registers[RELATED])
         if found is None or not domain.includes(values, found):
             return False
     return True
@@ -185,8 +230,8 @@ def is_less(memory: Memory, kept: Kept, path: Path) -> bool:
     for a, b in zip(kept.path.registers, path.registers, strict=True):
         if isinstance(a, Ranged):
             places.agree(a, b)
-    for x, y, values in kept.path.registers[RELATED].values():
-        found = difference(places.now(x), places.now(y), path.registers[RELATED])
+    for key, (x, y, values) in kept.path.registers[RELATED].items():
+        found = apart(places.now(x), places.now(y), key[2], path.registers[RELATED])
         if found is None or not domain.includes(found, values):
             return True
     return False
@@ -225,9 +270,37 @@ def widen(memory: Memory, kept: Kept, path: Path, compared: Compared, starts: St
     alive = {id(word.base) for word in registers[:15] if isinstance(word, Ranged)}
     combine = _grown if kept.rounds < STEPS else _lasting
     one, other = before.registers[RELATED], path.registers[RELATED]
-    registers[RELATED] = together(one, other, made.values(), known, alive, begun, combine)
+    lines = _in_step(before, path, registers, compared)
+    registers[RELATED] = together(one, other, made.values(), known, alive, begun, combine, lines)
+    _tighten(registers[RELATED], {id(word) for _, _, word in made.values()})
     layer = widen_layer(memory, before.layer, path.layer, wider)
     return Path(path.block, registers, layer, path.counters)
+
+
+def _in_step(before: Path, path: Path, registers: list[Any], compared: Compared) -> list[tuple[Triple, Triple, int]]:
+    """Registers that an iteration moves, each with one that the function compares, and how many times as far."""
+    moved: dict[int, int] = {}
+    for number, (a, b) in enumerate(zip(before.registers[:15], path.registers, strict=False)):
+        step = None if a is b else difference(b, a, path.registers[RELATED])
+        if step is not None and step.n == 0 and step.low:
+            moved[number] = domain.signed(step.low)
+    leaders = [place.number for place in compared.places if isinstance(place, Register) and place.number in moved]
+    found = []
+    for number, far in moved.items():
+        near = [(abs(moved[leader]), leader) for leader in leaders if leader != number and not far % moved[leader]]
+        if near:
+            leader = min(near)[1]
+            one, other = ((before.registers[n], path.registers[n], registers[n]) for n in (number, leader))
+            found.append((one, other, far // moved[leader]))
+    return found
+
+
+def _tighten(related: Related, fresh: Container[int]) -> None:
+    """Leave words that were just made no values that they cannot have beside others."""
+    for key, (x, y, values) in related.items():
+        kept = domain.meet(x.range, domain.add(domain.scale(y.range, key[2]), values)) if id(x) in fresh else None
+        if kept is not None:
+            x.range = kept
 
 
 class _Borders:

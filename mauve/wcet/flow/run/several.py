@@ -85,8 +85,9 @@ def read(cells: Sequence[tuple[Cell, tuple[int, ...]]], size: int, extend: Op) -
     return result
 
 
-def covering(words: Iterable[Word]) -> Word:
-    """A word that covers all of several."""
+def covering(words: Iterable[Word], every: Range | None = None) -> Word:
+    """A word that covers all of several; `every` are the values that any of them can have, if none is made from an
+    address in the stack."""
     numbers: set[int] = set()
     ranges: dict[Range, None] = {}
     others: list[Word] = []
@@ -95,6 +96,8 @@ def covering(words: Iterable[Word]) -> Word:
             numbers.add(word)
         elif type(word) is Some:
             ranges[word.range] = None
+            if word.range == every:
+                return made(every)
         else:
             others.append(word)
     if numbers:

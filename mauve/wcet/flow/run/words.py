@@ -523,6 +523,8 @@ class Low(Unknown):
 
 
 Word = int | Unknown
+_WORDS = (int, Some, Unknown)
+"""Others are flags, or made from an address in the stack."""
 
 
 def is_wild(value: object) -> bool:
@@ -583,7 +585,7 @@ def merge(a: Word, b: Word) -> Word:
         if first is None or second is None:
             return WILD
         return a if kind is Stack and first == second else Stacks(domain.join(first, second))
-    return Some(TOP)
+    return Some(TOP) if kind in _WORDS and other in _WORDS else UNKNOWN
 
 
 def offsets_of(value: Word) -> Range | None:
@@ -615,4 +617,6 @@ def widened(old: Word, new: Word, borders: Sequence[int] = ()) -> Word:
         return WILD if first is None or second is None else Stacks(domain.widen(first, second, borders))
     one, two = range_of(old), range_of(new)
     assert one is not None and two is not None
+    if type(old) not in _WORDS or type(new) not in _WORDS:
+        return UNKNOWN
     return Some(domain.widen(one, two, borders))

@@ -1,4 +1,4 @@
-/* Loops whose ends are data: pointers up to an unknown end, zeros behind strings, states that move a counter in turn. */
+/* Loops whose ends are data: pointers up to an unknown end, zeros behind strings, lists, pointers and counts that move in step. */
 #include <stdint.h>
 
 uint8_t text[24] = "move 10 left; stop";
@@ -58,7 +58,36 @@ int sort(void)
     return samples[0];
 }
 
+struct link {
+    struct link *next;
+    uint8_t value;
+};
+
+static struct link links[6] = {{&links[3], 1}, {0, 2}, {&links[1], 3}, {&links[4], 4}, {&links[2], 5}, {&links[0], 6}};
+
+/* A list in a pool: where it begins and what is looked for are data. */
+int find(void)
+{
+    int found = 0;
+    for (int i = 0; i < 20; i++)
+        for (struct link *at = &links[text[0] & 3]; at && at->value != text[i]; at = at->next)
+            found++;
+    return found;
+}
+
+/* A pointer and a count move in step, over and over, and what lies behind is not touched. */
+int drain(void)
+{
+    text[23] = 0;
+    for (int round = 0; round < 30; round++) {
+        int16_t *to = samples + length / 2;
+        for (unsigned left = length / 2; left; left--)
+            *--to = (int16_t)(*to / 3);
+    }
+    return measure();
+}
+
 int main(void)
 {
-    return split() + measure() + reverse() + sort();
+    return split() + measure() + reverse() + sort() + find() + drain();
 }
