@@ -15,11 +15,17 @@ Place = tuple[int, int]
 def better(flow: ProgramFlow, other: ProgramFlow) -> ProgramFlow:
     """The first result, with the bounds of the second for loops that have none or a greater one in the first. Both are
     of the same program from the same entry, so what the second says of a loop in all its contexts is so in all of the
-    first, unless the second does not know all calls."""
+    first, unless the second does not know all calls. Where a run left loops of a function one entry by the ways that it
+    took, headers are not those of the same loops: nothing is taken over then."""
     if any(hole.kind in POINTERS for function in other.functions.values() for hole in function.cfg.unresolved):
         return flow
     found = _bounds(other)
-    return replace(flow, functions={key: _with(function, found) for key, function in flow.functions.items()})
+    nests = {function.cfg.key: function.nest for function in other.functions.values()}
+    functions = {
+        key: _with(function, found) if nests.get(key[0]) in (None, function.nest) else function
+        for key, function in flow.functions.items()
+    }
+    return replace(flow, functions=functions)
 
 
 def _bounds(flow: ProgramFlow) -> dict[Place, LoopBound | None]:
