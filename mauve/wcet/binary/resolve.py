@@ -11,6 +11,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
+from mauve.wcet.binary.constants import Constants, Known
 from mauve.wcet.binary.elf import Binary, Content
 from mauve.wcet.binary.graph import EdgeKind
 from mauve.wcet.binary.microop import (
@@ -64,19 +65,44 @@ class Code:
     def __init__(self, binary: Binary, key: int) -> None:
         self.binary, self.entry = binary, key & ~1
         self.instructions: dict[int, Instruction] = {}
+        self.literals: set[int] = set()
+        """the addresses of data that instructions name"""
         self.helpers: dict[int, tuple[Instruction, ...]] = {}
         """calls of helpers that return behind a table, by address of the call: the helper's code"""
         self._sources: dict[int, dict[_Step, None]] = {}
         self._ending: dict[int, int] = {}
+        self._edges = 0
+        self._constants: tuple[tuple[int, int], Constants] | None = None
 
     def add(self, instruction: Instruction) -> None:
         """Enter an instruction."""
         self.instructions[instruction.address] = instruction
+        self.literals.update(
+            op.address.value for op in instruction.ops if isinstance(op, Load) and isinstance(op.address, Imm)
+        )
         self._ending[instruction.end] = instruction.address
 
     def connect(self, source: int, target: int, kind: EdgeKind) -> None:
         """Enter an edge from the instruction at `source` to the one at `target`."""
-        self._sources.setdefault(target, {})[source, kind] = None
+        sources = self._sources.setdefault(target, {})
+        self._edges += (source, kind) not in sources
+        sources[source, kind] = None
+
+    def constants(self) -> Constants:
+        """What is constant in the code that is known so far."""
+        stamp = len(self.instructions), self._edges
+        if self._constants is None or self._constants[0] != stamp:
+            after: dict[int, list[tuple[int, EdgeKind]]] = {}
+            for target, sources in self._sources.items():
+                for source, kind in sources:
+                    after.setdefault(source, []).append((target, kind or EdgeKind.FALL))
+            found = Constants(self.binary, self.entry, self.instructions, after, self._keeps_registers)
+            self._constants = stamp, found
+        return self._constants[1]
+
+    def _keeps_registers(self, call: Instruction) -> bool:
+        """Whether a call is one of a function with a symbol: those follow the procedure call standard."""
+        return isinstance(call.flow, Call) and self.binary.symbol_at(call.flow.target) is not None
 
     def before(self, address: int) -> list[_Step]:
         """The steps that lead to `address`."""
@@ -94,6 +120,8 @@ class _Path:
     def __init__(self, code: Code, steps: list[_Step]) -> None:
         self.code, self.terms = code, Terms()
         self.registers: dict[int, int] = {}
+        self.places: dict[int, int] = {}
+        """terms that were loaded, with the address of an instruction that did so"""
         self.stored: list[tuple[int, int, int]] = []
         self.version = 0
         self.flags: Flags | None = None
@@ -139,6 +167,8 @@ class _Path:
                 settled[number] = self.terms.apply(parts[0], settled[parts[1]], settled[parts[2]])
             elif parts[0] == "load":
                 settled[number] = self.terms.load(settled[parts[1]], *parts[2:])
+                if number in self.places:
+                    self.places.setdefault(settled[number], self.places[number])
             else:
                 settled[number] = number
         return settled[term]
@@ -172,6 +202,8 @@ class _Path:
         popped = SP in instruction.traits.reads and SP in instruction.traits.writes
         for op in instruction.ops:
             self._operation(op, condition, guard, popped)
+            if isinstance(op, Load):
+                self.places.setdefault(self.registers[op.dst], instruction.address)
 
     def _operation(self, op: MicroOp, condition: Condition, guard: tuple[int, Condition], popped: bool) -> None:
         always = condition is Condition.AL
@@ -353,13 +385,10 @@ def _answer(code: Code, steps: list[_Step], instruction: Instruction) -> Resolut
         if parts == ("initial", LR) and steps[-1][0] == code.entry:
             return Resolution(returns=True)
     exchanges = flow.exchanges if isinstance(flow, IndirectJump | IndirectCall) else False
-    values = _values(code, path, term, steps[-1][0])
-    if values is None:
+    keys = _targets(code, path, term, steps[-1][0], exchanges, instruction.thumb)
+    if keys is None:
         if link == instruction.end | instruction.thumb or link == instruction.end:
             return Resolution(link=link)
-        return None
-    keys = _keys(values, exchanges, instruction.thumb, code.binary)
-    if keys is None:
         return None
     functions = all(code.binary.symbol_at(key) is not None and key & ~1 != code.entry for key in keys)
     if link is not None and not (functions or link & ~1 == instruction.end):
@@ -385,8 +414,7 @@ def _answer_of_helper(code: Code, path: _Path, start: int, helper: tuple[Instruc
         path.perform(instruction, instruction.condition)
     flow = helper[-1].flow
     assert isinstance(flow, IndirectJump)
-    values = _values(code, path, path.settle(_target_term(path, flow)), start)
-    keys = None if values is None else _keys(values, flow.exchanges, helper[-1].thumb, code.binary)
+    keys = _targets(code, path, path.settle(_target_term(path, flow)), start, flow.exchanges, helper[-1].thumb)
     return None if keys is None else Resolution(tuple(sorted(keys)))
 
 
@@ -402,18 +430,16 @@ def _target_term(path: _Path, flow: object) -> int:
     return path.operand(flow.target)
 
 
-def _values(code: Code, path: _Path, term: int, start: int) -> set[int] | None:
-    """All values of the term on a path from `start`: by running through the range of one of the terms it is made of."""
+def _targets(code: Code, path: _Path, term: int, start: int, exchanges: bool, thumb: bool) -> set[int] | None:
+    """Where a jump to the term goes on a path from `start`, as keys: all values of the term, by running through the
+    range of one of the terms it is made of, where all of them are code. Where they are not, an index was not checked,
+    and the table ends before its range does."""
     terms, binary = path.terms, code.binary
     below = terms.below(term)
-    fixed: dict[int, int] = {}
-    for number in below:
-        parts = terms.table[number]
-        if parts[0] == "initial" and (found := constant_at(code, start, parts[1])) is not None:
-            fixed[number] = found
+    fixed = _fixed(code, path, below, start)
     constant = _run(terms, below, fixed, binary)
     if constant is not None:
-        return {constant}
+        return _keys({constant}, exchanges, thumb, binary)
     candidates: list[tuple[int, int, tuple[tuple[int, int], ...]]] = []
     for number in below:
         if terms.value(number) is None and number != term and number not in fixed:
@@ -424,15 +450,35 @@ def _values(code: Code, path: _Path, term: int, start: int) -> set[int] | None:
     for _, negative, ranges in sorted(candidates):
         values: set[int] = set()
         if terms.table[-negative][0] == "load" and (table := _inline_table(path, term, below, fixed)):
-            return table  # of an entry of a table only its width is known
+            return _keys(table, exchanges, thumb, binary)  # of an entry of a table only its width is known
         for value in (v for low, high in ranges for v in range(low, high + 1)):
             result = _run(terms, below, {**fixed, -negative: value}, binary)
             if result is None:
                 break
             values.add(result)
         else:
-            return values
-    return _inline_table(path, term, below, fixed)
+            keys = _keys(values, exchanges, thumb, binary)
+            if keys is not None:
+                return keys
+    table = _inline_table(path, term, below, fixed)
+    return None if table is None else _keys(table, exchanges, thumb, binary)
+
+
+def _fixed(code: Code, path: _Path, below: Iterable[int], start: int) -> dict[int, int]:
+    """The terms that are constant as registers, or words of the frame, are where the path starts."""
+    constants = code.constants()
+    known = constants.at(start)
+    fixed: dict[int, int] = {}
+    for number in below:
+        parts = path.terms.table[number]
+        value: Known | None = None
+        if parts[0] == "initial":
+            value = known.registers.get(parts[1])
+        elif parts[0] == "load" and parts[2] == 4 and number in path.places:
+            value = constants.loaded(path.places[number])
+        if isinstance(value, int):
+            fixed[number] = value
+    return fixed
 
 
 def _inline_table(path: _Path, term: int, below: Sequence[int], fixed: dict[int, int]) -> set[int] | None:
@@ -463,55 +509,15 @@ def _inline_table(path: _Path, term: int, below: Sequence[int], fixed: dict[int,
                 break
             if nearest is not None and at + size > nearest:
                 break
-            if binary.content_at(at) is not content or any(a in path.code.instructions for a in range(at, at + size)):
+            known = path.code.instructions, path.code.literals
+            if binary.content_at(at) is not content or any(a in those for those in known for a in range(at, at + size)):
                 break
+            if not start <= target & ~1 <= at and binary.read_code(target & ~1, 2) is None:
+                break  # what follows the table
             targets.add(target)
             nearest = min((t & ~1 for t in targets if t & ~1 > at), default=nearest)
         if nearest is not None and targets:
             return {t for t in targets if not start <= t & ~1 < nearest}
-    return None
-
-
-def constant_at(code: Code, address: int, register: int) -> int | None:
-    """The constant that every definition of the register that reaches `address` gives it, if there is one.
-
-    Called functions with a symbol keep r4 to r11 (the procedure call standard, which every result assumes)."""
-    found: int | None = None
-    seen: set[int] = set()
-    work = [address]
-    while work:
-        place = work.pop()
-        before = code.before(place)
-        if place == code.entry or not before:
-            return None
-        for source, kind in before:
-            instruction = code.instructions[source]
-            if kind is EdgeKind.CALL and not (4 <= register <= 11 and _keeps_registers(code.binary, instruction)):
-                return None
-            defining = next((op for op in reversed(instruction.ops) if getattr(op, "dst", None) == register), None)
-            if defining is not None:
-                value = _defined_value(defining, code.binary)
-                if value is None or found not in (None, value):
-                    return None
-                found = value
-            if (defining is None or instruction.condition is not Condition.AL) and source not in seen:
-                seen.add(source)
-                work.append(source)
-    return found
-
-
-def _keeps_registers(binary: Binary, instruction: Instruction) -> bool:
-    flow = instruction.flow
-    return isinstance(flow, Call) and binary.symbol_at(flow.target) is not None
-
-
-def _defined_value(op: MicroOp, binary: Binary) -> int | None:
-    match op:
-        case Compute(Op.MOV, _, Imm(value)):
-            return value
-        case Load(_, Imm(address), 4):
-            raw = binary.read_constant(address, 4)
-            return None if raw is None else int.from_bytes(raw, "little")
     return None
 
 

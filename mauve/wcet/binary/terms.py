@@ -50,6 +50,10 @@ _UNARY: dict[Op, Callable[[int], int]] = {
 }
 
 
+_WIDTHS = {Op.UXTB: (1, False), Op.UXTH: (2, False), Op.SXTB: (1, True), Op.SXTH: (2, True)}
+"""Of operations that extend: bytes, and whether with the sign."""
+
+
 def concrete(op: Op, a: int, b: int) -> int | None:
     """The value of an operation on constants; None for those that jumps are not made of."""
     if op in _BINARY:
@@ -196,9 +200,17 @@ class Terms:
             inner = self.table[a]
             if inner[0] is Op.ADD and (z := self.value(inner[2])) is not None:
                 return self.apply(Op.ADD, inner[1], self.constant(y + z))
-        if op is Op.SHL and y == 0:
+        if (op is Op.SHL and y == 0) or (unary and self._is_as_it_was(op, a)):
             return a
         return self._term(op, a, self.constant(0) if unary else b)
+
+    def _is_as_it_was(self, op: Op, term: int) -> bool:
+        """Whether extending a term changes nothing: it was read or extended that way before."""
+        parts = self.table[term]
+        if op not in _WIDTHS or parts[0] is op:
+            return parts[0] is op and op in _WIDTHS
+        size, is_signed = _WIDTHS[op]
+        return parts[0] == "load" and parts[3] is is_signed and parts[2] <= size
 
     def operands(self, term: int) -> tuple[int, ...]:
         """The terms that a term is made of."""
@@ -240,7 +252,21 @@ class Terms:
                 allowed = shift_by(compared(holds, limit), -offset_of_side)
                 allowed = allowed if sign == sign_of_side else negate(allowed)
                 found = intersect(found, shift_by(allowed, offset))
+        if found == FULL and (extended := self._sign_extended(term)) is not None:
+            return extended
         return found
+
+    def _sign_extended(self, term: int) -> tuple[Interval, ...] | None:
+        """The values of a signed byte or halfword, of which the path may have compared the unsigned one."""
+        parts = self.table[term]
+        size = _WIDTHS[parts[0]][0] if parts[0] in (Op.SXTB, Op.SXTH) else parts[2] if parts[0] == "load" else 4
+        if size > 2 or (parts[0] == "load" and not parts[3]):
+            return None
+        half = 1 << 8 * size - 1
+        unsigned = self.numbers.get((Op.UXTB if size == 1 else Op.UXTH, term, self.constant(0)))
+        ranges = ((0, 2 * half - 1),) if unsigned is None else self.ranges(unsigned)
+        low, high = intersect(ranges, ((0, half - 1),)), intersect(ranges, ((half, 2 * half - 1),))
+        return (*low, *shift_by(high, -2 * half))
 
     def _linear(self, term: int) -> tuple[int, int, int]:
         """The term as sign * base + offset."""
