@@ -247,6 +247,12 @@ class Trial:
             registers[target] = (registers[first] + number) & MASK
             for one in path.executions:
                 one.registers[target] = (one.registers[first] + number) & MASK
+        elif random.random() < 0.3:
+            difference = registers[first] - registers[second]
+            if type(difference) in (int, Some):
+                registers[target] = difference & MASK
+                for one in path.executions:
+                    one.registers[target] = (one.registers[first] - one.registers[second]) & MASK
         elif random.random() < 0.3 and type(registers[first]) in (int, Some):
             by = random.choice([1, 2])
             registers[target] = (registers[first] << by) & MASK
@@ -283,8 +289,8 @@ class Trial:
         flags = Flags(Source.DIFFERENCE, a, b)
         alone, apart = told(flags, code, is_true), told_apart(flags, code, is_true, registers[RELATED])
         assert alone is not None and apart is not None
-        learn(registers, self.memory, alone + apart[0])
         registers[RELATED] = apart[1]
+        learn(registers, self.memory, alone + apart[0])
         self.compare(path)
 
     def forget(self, path: Followed) -> None:

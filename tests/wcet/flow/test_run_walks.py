@@ -24,7 +24,7 @@ INPUTS = (
     AssumeFact(AtSymbol("samples"), None, None, 0),
     AssumeFact(AtSymbol("number"), None, None, 0),
 )
-NAMES = ("split", "measure", "reverse", "sort", "find", "drain")
+NAMES = ("split", "measure", "reverse", "sort", "find", "drain", "records")
 
 
 @cache
@@ -64,7 +64,7 @@ def test_each_loop_has_a_bound_that_no_input_exceeds(name: str, function: str) -
     assert not flow.problems and not any(found.problems for found in flow.functions.values())
     assert not replayed(name, function, flow).wrong
     mine = [found for found in flow.functions.values() if found.cfg.name == function]
-    most = {"split": 25, "measure": 24, "reverse": 11, "sort": 20, "find": 21, "drain": 31}[function]
+    most = {"split": 25, "measure": 24, "reverse": 11, "sort": 20, "find": 21, "drain": 31, "records": 13}[function]
     assert all(bound.bound <= most for found in mine for bound in found.bounds.values())
 
 
@@ -79,7 +79,7 @@ def test_what_is_short_of_time_follows_all_values_at_once(
     assert any(found.bounds for found in flow.functions.values())
 
 
-@pytest.mark.parametrize("function", ["find", "drain"])
+@pytest.mark.parametrize("function", ["find", "drain", "records"])
 def test_lists_and_pointers_that_move_with_a_count_have_bounds_all_values_at_once(
     function: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -9,8 +9,8 @@ from mauve.wcet.flow.domain import Range
 from mauve.wcet.flow.run.compile import RELATED
 from mauve.wcet.flow.run.memory import Memory
 from mauve.wcet.flow.run.narrow import Told, narrower
-from mauve.wcet.flow.run.related import Related, follow
-from mauve.wcet.flow.run.words import Ranged
+from mauve.wcet.flow.run.related import Related, difference, follow, with_difference
+from mauve.wcet.flow.run.words import Ranged, Some
 
 
 def learn(registers: list[Any], memory: Memory, found: Told) -> None:
@@ -19,6 +19,9 @@ def learn(registers: list[Any], memory: Memory, found: Told) -> None:
     related: Related = registers[RELATED]
     for word, values in found:
         _leave(registers, memory, word, values)
+        less = word.base.less if type(word.base) is Some else None
+        if less is not None:
+            _bring_near(registers, memory, *less, domain.shift(values, -word.offset))
         for other, rest in follow(word, values, related) if related else ():
             _leave(registers, memory, other, rest)
         addresses = None if word.source is None else memory.where(word.source, values)
@@ -29,6 +32,17 @@ def learn(registers: list[Any], memory: Memory, found: Told) -> None:
             rest = domain.sub(domain.shift(values, -word.offset), apart.range)
             if not domain.includes(rest, term.range):
                 _leave(registers, memory, term, rest)
+
+
+def _bring_near(registers: list[Any], memory: Memory, a: Ranged, b: Ranged, values: Range) -> None:
+    """Leave two words no difference but one of these values."""
+    related: Related = registers[RELATED]
+    before = difference(a, b, related)
+    kept = None if before is None else domain.meet(before, values)
+    if kept is not None:
+        registers[RELATED] = with_difference(a, b, kept, related)
+        _leave(registers, memory, b, domain.sub(a.range, kept))
+        _leave(registers, memory, a, domain.add(b.range, kept))
 
 
 def _leave(registers: list[Any], memory: Memory, word: Ranged, values: Range) -> None:

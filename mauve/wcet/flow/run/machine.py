@@ -468,8 +468,8 @@ class Machine:
                 found, related = alone + apart[0], apart[1]
             self.registers, frame.now = start[:], now.copy()
             self.memory.enter(branch(layer))
-            learn(self.registers, self.memory, found)
             self.registers[RELATED] = related
+            learn(self.registers, self.memory, found)
             ways += self._try(frame, block, way, ways)
         release(layer)
 

@@ -8,7 +8,7 @@ time; where paths meet, the distances of the words that the function compares ar
 
 from __future__ import annotations
 
-from collections.abc import Callable, Container, Iterable, Sequence
+from collections.abc import Callable, Container, Iterable, Iterator, Sequence
 from typing import TypeAlias
 
 from mauve.wcet.flow import domain
@@ -18,7 +18,9 @@ from mauve.wcet.flow.run.words import Ranged, Some, Stack, Stacks, Word, offsets
 
 Related: TypeAlias = dict[tuple[int, int, int], tuple[Ranged, Ranged, Range]]
 """By the identities of two bases and a factor: the bases, and the values of the first less so many times the second.
-Never changed in place."""
+Never changed in place. With the factor SUM the second stands nowhere: it is the sum of its terms."""
+
+SUM = 0
 
 MOST, FAR, WIDE = 32, 1 << 16, 1 << 12
 """Pairs of words that a path knows something of; how far apart two of them may lie; how many values both may have where
@@ -37,10 +39,47 @@ def difference(a: Word, b: Word, related: Related) -> Range | None:
         return domain.constant((at_a - at_b) & MASK)
     values = domain.sub(first, second)
     if from_a is not None and from_b is not None:
-        for known in _told(from_a, from_b, related):
+        for known in (*_told(from_a, from_b, related), *_sums(from_a, from_b, related)):
             met = domain.meet(domain.shift(known, at_a - at_b), values)
             values = values if met is None else met
     return values
+
+
+def _sums(a: Ranged, b: Ranged, related: Related) -> Iterator[Range]:
+    """What is known of the difference of two bases where one is a sum, of another sum of the same two words."""
+    for one, whole, negated in ((a, b, False), (b, a, True)):
+        if whole.terms is None:
+            continue
+        for (_, _, factor), (x, y, known) in related.items():
+            apart = _between(whole, y) if x is one and factor == SUM else None
+            if apart is not None:
+                values = domain.shift(known, -apart)
+                yield domain.negate(values) if negated else values
+
+
+def _between(whole: Ranged, other: Ranged) -> int | None:
+    """How far a sum of two words is above another sum of the same two; None for other words."""
+    if whole.terms is None or other.terms is None:
+        return None
+    (a, b), (x, y) = whole.terms, other.terms
+    if a.base is y.base and b.base is x.base:
+        x, y = y, x
+    if a.base is not x.base or b.base is not y.base:
+        return None
+    return a.offset + b.offset - x.offset - y.offset
+
+
+def with_sums(a: Word, b: Word, values: Range, related: Related) -> Related:
+    """What is known when a - b is one of these values and one of both is how far an address is from an end: how far
+    from it is their sum, as in `n <= end - p`."""
+    for rest, length, known in ((a, b, values), (b, a, domain.negate(values))):
+        less = rest.base.less if type(rest) is Some and type(rest.base) is Some else None
+        if less is not None and type(length) is Some:
+            end, start = less
+            total = type(start)(domain.add(start.range, length.range))
+            total.terms = start, length
+            related = with_difference(end, total, domain.shift(known, -rest.offset), related, SUM)  # type: ignore
+    return related
 
 
 def _is_known(a: Word, b: Word, related: Related) -> bool:
@@ -163,6 +202,8 @@ def follow(word: Ranged, values: Range, related: Related) -> list[tuple[Ranged, 
     base, found = word.base, []
     numbers = domain.shift(values, -word.offset)
     for (_, _, factor), (x, y, known) in related.items():
+        if factor == SUM:
+            continue
         if y is base:
             found.append((x, domain.add(domain.scale(numbers, factor), known)))
         elif x is base:
@@ -204,7 +245,7 @@ def told_apart(
         if isinstance(word, Ranged) and met.size < values.size:
             changes.append((word, met))
     if kept.span < min(domain.sub(first, second).span, FAR):
-        related = with_difference(a, b, kept, related)
+        related = with_sums(a, b, kept, with_difference(a, b, kept, related))
     return changes, related
 
 
@@ -274,6 +315,10 @@ def together(
         for word in {id(base): base for base in (base_of(triple[0])[0], base_of(triple[1])[0]) if base is not None}:
             became.setdefault(word, []).append(triple)
     for key, (x, y, _) in {**other, **one}.items():
+        if key[2] == SUM:
+            if key in one and key in other and len(found) < MOST:
+                found[key] = x, y, combine(one[key][2], other[key][2])
+            continue
         firsts, seconds = tuple(became.get(key[0], ())), tuple(became.get(key[1], ()))
         if not firsts and not seconds and not (key in one and key in other):
             continue

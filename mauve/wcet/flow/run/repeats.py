@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Container, Iterator, Sequence
+from collections.abc import Container, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -18,6 +18,7 @@ from mauve.wcet.flow.run.layers import Cell, Half, Layer, Part, Value
 from mauve.wcet.flow.run.memory import DATA_END, Memory
 from mauve.wcet.flow.run.paths import Path, Starts, word_at, words_at
 from mauve.wcet.flow.run.related import (
+    SUM,
     Related,
     Triple,
     apart,
@@ -40,16 +41,22 @@ ends."""
 
 @dataclass(slots=True)
 class Kept:
-    """A path as it was at the header of a loop. `uses` is how often each word occurs in it, by the identity of its
-    base; `starts` are the words in it that the function compares, `since` the work done before the first
-    such path of the loop, `rounds` how often it was made wider, `vague` see Memory."""
+    """A path as it was at the header of a loop. `starts` are the words in it that the function compares, `since` the
+    work done before the first such path of the loop, `rounds` how often it was made wider, `vague` see Memory."""
 
     path: Path
-    uses: dict[int, int]
     starts: Starts
     since: int = 0
     rounds: int = 0
     vague: int = 0
+    _uses: dict[int, int] | None = None
+
+    @property
+    def uses(self) -> dict[int, int]:
+        """How often each word occurs in the path, by the identity of its base."""
+        if self._uses is None:
+            self._uses = _uses_in(self.path.registers, self.path.layer)
+        return self._uses
 
 
 def keep(
@@ -72,7 +79,7 @@ def keep(
     for number in range(15):
         word = registers[number]
         if isinstance(word, Ranged) and _tells(word):
-            base = plain.setdefault(id(word.base), type(word)(domain.shift(word.range, -word.offset)))
+            base = plain.setdefault(id(word.base), type(word)(_range_of(word, registers[RELATED])))
             registers[number] = base.moved(word.offset)
     if plain:
         for a, b, values in known:
@@ -81,19 +88,47 @@ def keep(
                 registers[RELATED] = with_difference(registers[a], registers[b], values, registers[RELATED])
     for a, b, factor, rest in multiples:
         registers[RELATED] = with_difference(registers[a], registers[b], rest, registers[RELATED], factor)
+    related: Related = registers[RELATED]
+    uses = _uses_in(registers, path.layer) if related else None
+    if related and uses is not None:
+        wanted = uses.keys() | {id(start.base) for _, start in outer}
+        registers[RELATED] = dict(_lasting_of(related, wanted, plain))
+    found = [(place, word_at(memory, place, path)) for place in places]
+    starts = [(place, word) for place, word in found if isinstance(word, Ranged)]
+    before = Path(path.block, registers[:], path.layer, path.counters.copy())
+    return Kept(before, starts, since, rounds, memory.vague, uses)
+
+
+def _range_of(word: Ranged, related: Related) -> Range:
+    """What is known of the base of a word, which may be a difference."""
+    values = domain.shift(word.range, -word.offset)
+    less = word.base.less if type(word.base) is Some else None
+    apart = None if less is None else difference(*less, related)
+    return values if apart is None else domain.meet(values, apart) or values
+
+
+def _uses_in(registers: Sequence[Any], layer: Layer) -> dict[int, int]:
+    """How often each word occurs in registers and memory, by the identity of its base."""
     uses: dict[int, int] = {}
-    for word in (*registers, *_words_below(path.layer)):
+    for word in (*registers, *_words_below(layer)):
         if isinstance(word, Ranged):
             base = word.base
             uses[id(base)] = uses.get(id(base), 0) + 1
-    related: Related = registers[RELATED]
-    wanted = uses.keys() | {id(start.base) for _, start in outer}
-    registers[RELATED] = {key: pair for key, pair in related.items() if key[0] in wanted and key[1] in wanted}
-    found = [(place, word_at(memory, place, path)) for place in places]
-    starts = [(place, word) for place, word in found if isinstance(word, Ranged)]
-    return Kept(
-        Path(path.block, registers[:], path.layer, path.counters.copy()), uses, starts, since, rounds, memory.vague
-    )
+    return uses
+
+
+def _lasting_of(related: Related, wanted: Container[int], plain: Mapping[int, Ranged]) -> Iterator[tuple[Any, Any]]:
+    """What is known of words that are still `wanted`, and of sums of two such, which may be `plain` words now."""
+    for key, (x, y, values) in related.items():
+        if key[0] in wanted and key[1] in wanted:
+            yield key, (x, y, values)
+        elif key[2] == SUM and y.terms is not None:
+            parts = [plain.get(id(part.base), part.base) for part in (x, *y.terms)]
+            if all(id(part) in wanted for part in parts):
+                end, one, other = (to.moved(of.offset) for to, of in zip(parts, (x, *y.terms), strict=True))
+                total = type(y)(y.range)
+                total.terms = one, other  # type: ignore[assignment]
+                yield (id(end), id(total), key[2]), (end, total, values)
 
 
 def _multiples(registers: Sequence[Any]) -> list[tuple[int, int, int, Range]]:
@@ -114,8 +149,8 @@ def _multiples(registers: Sequence[Any]) -> list[tuple[int, int, int, Range]]:
 
 def _tells(word: Ranged) -> bool:
     """Whether what a branch tells of a word is told of others as well: terms, a whole, an address."""
-    low = word.low if type(word) is Some else None
-    return word.base.terms is not None or word.source is not None or low is not None
+    told = (word.low, word.base.less) if type(word) is Some and type(word.base) is Some else ()
+    return word.base.terms is not None or word.source is not None or any(one is not None for one in told)
 
 
 def changed(kept: Kept, path: Path) -> list[Where]:
@@ -149,8 +184,8 @@ def _words_of(cell: Cell) -> Iterator[Value]:
 class _Places:
     """What stands on a later path where a word stands on an earlier one."""
 
-    def __init__(self, uses: dict[int, int]) -> None:
-        self._uses = uses
+    def __init__(self, kept: Kept) -> None:
+        self._kept = kept
         self._found: dict[int, tuple[Ranged | None, int]] = {}
         self._seen: dict[int, int] = {}
         self._words: dict[int, Word] = {}
@@ -161,7 +196,7 @@ class _Places:
         if not isinstance(wide, Ranged):
             return True
         if type(word) is not int and type(word) is not Stack and not isinstance(word, Ranged):
-            return self._uses.get(id(wide.base)) == 1 and not _tells(wide)
+            return self._kept.uses.get(id(wide.base)) == 1 and not _tells(wide)
         base, at = base_of(word)
         if base is not wide.base and _tells(wide):
             return False
@@ -174,9 +209,8 @@ class _Places:
 
     def complete(self) -> bool:
         """Whether no word that became another stands anywhere else."""
-        return all(
-            self._seen[key] == self._uses.get(key, 0) for key, (base, _) in self._found.items() if id(base) != key
-        )
+        moved = [key for key, (base, _) in self._found.items() if id(base) != key]
+        return all(self._seen[key] == self._kept.uses.get(key, 0) for key in moved)
 
     def now(self, base: Ranged) -> Word:
         """What a word is on the later path."""
@@ -185,7 +219,7 @@ class _Places:
 
 def includes(memory: Memory, kept: Kept, path: Path) -> bool:
     """Whether everything that may be so on `path` may be so on the path that was kept, from which it came."""
-    wide, places = kept.path, _Places(kept.uses)
+    wide, places = kept.path, _Places(kept)
     for number, (a, b) in enumerate(zip(wide.registers, path.registers, strict=True)):
         if number not in _NO_VALUES and not ((a is b or covers(a, b)) and places.agree(a, b)):
             return False
@@ -198,10 +232,18 @@ def includes(memory: Memory, kept: Kept, path: Path) -> bool:
     if not places.complete():
         return False
     for key, (x, y, values) in wide.registers[RELATED].items():
-        found = apart(places.now(x), places.now(y), key[2], path.registers[RELATED])
+        found = _apart_now(key[2], x, y, places, path)
         if found is None or not domain.includes(values, found):
             return False
     return True
+
+
+def _apart_now(factor: int, x: Ranged, y: Ranged, places: _Places, path: Path) -> Range | None:
+    """How two words of an earlier path that are related differ on a later one."""
+    if factor != SUM or y.terms is None:
+        return apart(places.now(x), places.now(y), factor, path.registers[RELATED])
+    one, other = (places.now(term.base) + term.offset for term in y.terms)
+    return difference(places.now(x), one + other, path.registers[RELATED])
 
 
 def _cell_agrees(wide: Cell, cell: Cell, places: _Places) -> bool:
@@ -226,12 +268,12 @@ def is_less(memory: Memory, kept: Kept, path: Path) -> bool:
     """Whether less may be so on `path` than on the path that was kept, which includes it."""
     if not _covers(memory, path, kept.path):
         return True
-    places = _Places(kept.uses)
+    places = _Places(kept)
     for a, b in zip(kept.path.registers, path.registers, strict=True):
         if isinstance(a, Ranged):
             places.agree(a, b)
     for key, (x, y, values) in kept.path.registers[RELATED].items():
-        found = apart(places.now(x), places.now(y), key[2], path.registers[RELATED])
+        found = _apart_now(key[2], x, y, places, path)
         if found is None or not domain.includes(found, values):
             return True
     return False
@@ -298,7 +340,8 @@ def _in_step(before: Path, path: Path, registers: list[Any], compared: Compared)
 def _tighten(related: Related, fresh: Container[int]) -> None:
     """Leave words that were just made no values that they cannot have beside others."""
     for key, (x, y, values) in related.items():
-        kept = domain.meet(x.range, domain.add(domain.scale(y.range, key[2]), values)) if id(x) in fresh else None
+        fits = id(x) in fresh and key[2] != SUM
+        kept = domain.meet(x.range, domain.add(domain.scale(y.range, key[2]), values)) if fits else None
         if kept is not None:
             x.range = kept
 

@@ -138,14 +138,16 @@ class Ranged(Unknown):
 
 class Some(Ranged):
     """One word out of a range that is no address in the stack. `low` (a word, bits, shift): it is that many low bits of
-    the word, shifted to the left. `part` (a word, a, b): it is at most a/b of the word, as numbers without sign."""
+    the word, shifted to the left. `part` (a word, a, b): it is at most a/b of the word, as numbers without sign. `less`
+    (a word, another): it is the first less the second."""
 
-    __slots__ = ("low", "part")
+    __slots__ = ("less", "low", "part")
 
     def __init__(self, values: Range, root: Ranged | None = None, offset: int = 0) -> None:
         super().__init__(values, root, offset)
         self.low: tuple[Some, int, int] | None = None
         self.part: tuple[Some, int, int] | None = None
+        self.less: tuple[Ranged, Ranged] | None = None
 
     def _with(self, op: Op, other: object, *, swapped: bool = False) -> Word:
         values = range_of(other)
@@ -170,7 +172,7 @@ class Some(Ranged):
             return self.moved(-other)
         if type(other) is Some and other.base is self.base:
             return (self.offset - other.offset) & MASK
-        return self._with(Op.SUB, other)
+        return _difference(self._with(Op.SUB, other), self, other)
 
     def __rsub__(self, other: object) -> Word:  # type: ignore[override]
         return self._with(Op.SUB, other, swapped=True)
@@ -277,6 +279,13 @@ def part_of(word: Word, whole: Word, a: int, b: int) -> Word:
         if whole.part is not None:
             more, c, d = whole.part
             word.part = more, a * c, b * d
+    return word
+
+
+def _difference(word: Word, a: Ranged, b: object) -> Word:
+    """The same word, which is the difference of two others."""
+    if type(word) is Some and isinstance(b, Ranged):
+        word.less = a, b
     return word
 
 
@@ -425,7 +434,9 @@ class Stacks(Ranged):
             return Stacks(domain.sub(self.range, other.range))
         if type(other) is Stack:
             return Some(domain.shift(self.range, -other.offset), self.base, (self.offset - other.offset) & MASK)
-        return made(domain.sub(self.range, other.range)) if type(other) is Stacks else WILD
+        if type(other) is not Stacks:
+            return WILD
+        return _difference(made(domain.sub(self.range, other.range)), self, other)
 
     def _lost(self, other: object) -> Unknown:
         return WILD

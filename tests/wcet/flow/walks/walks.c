@@ -87,7 +87,23 @@ int drain(void)
     return measure();
 }
 
+/* Records of a tag, a length and as many bytes, up to an end that is not known. */
+int records(void)
+{
+    const uint8_t *p = text, *end = text + length;
+    int found = 0;
+    while (end - p >= 2) {
+        uint8_t bytes = p[1];
+        p += 2;
+        if (bytes > end - p)
+            return -1;
+        p += bytes;
+        found++;
+    }
+    return found;
+}
+
 int main(void)
 {
-    return split() + measure() + reverse() + sort() + find() + drain();
+    return split() + measure() + reverse() + sort() + find() + drain() + records();
 }
