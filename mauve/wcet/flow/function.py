@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 
 from mauve.wcet.binary.graph import Cfg
 from mauve.wcet.binary.loops import Loop
@@ -100,8 +101,10 @@ def analyse_function(
     limits: Limits,
     thorough: bool = True,
     attempt: Attempt | None = None,
+    guessing: Ranking | None = None,
 ) -> FunctionResult:
-    """Analyse a function from an entry state. `given` are bounds proven or stated elsewhere. Where not `thorough`, a
+    """Analyse a function from an entry state. `given` are bounds proven or stated elsewhere; `guessing` gives numbers
+    that may be bounds, for loops without one (`_confirmed`). Where not `thorough`, a
     loop that resists ranking arguments stays without a bound, and `attempt` of the result lets a later analysis from
     the same state go on there. What was found stays when the time is over (`curtailed`). Raises GaveUp, and OutOfTime
     where not even the first pass is complete."""
@@ -113,23 +116,29 @@ def analyse_function(
     most = max(limits.most, MOST_PASSES * sum(len(block.instructions) for block in order.cfg.blocks))
 
     def execute(
-        stepped: frozenset[int], width: int = 1, steps: int = limits.steps, earlier: Record | None = None
+        stepped: frozenset[int],
+        width: int = 1,
+        steps: int = limits.steps,
+        earlier: Record | None = None,
+        guessed: dict[int, int] | None = None,
     ) -> Record:
         policy = Policy(stepped, width, steps, most=most)
-        execution = Execution(order, image, calls, policy, marks, known, limits.deadline, earlier)
+        execution = Execution(order, image, calls, policy, marks, known | (guessed or {}), limits.deadline, earlier)
         record = execution.execute(entry.copy())
         if width == 1:
             attempt.hopeless |= stepped - execution.stepped - execution.cut_short
             attempt.settled = bool(stepped) and not execution.cut_short
         return record
 
+    nest = order.nest.loops
+
     def prove(record: Record) -> int:
         """Seek arguments for the loops without a bound, with the values of a pass; how many were found."""
         missing = _missing(records, known) if ranking is not None else []
         for loop in missing:
-            check(limits.deadline, order.cfg.blocks[order.nest.loops[loop].header].address, order.cfg.name)
+            check(limits.deadline, order.cfg.blocks[nest[loop].header].address, order.cfg.name)
             assert ranking is not None
-            found = ranking(order.nest.loops[loop], record)
+            found = ranking(nest[loop], record)
             if found is not None:
                 attempt.settled = False
                 known[loop] = found[0]
@@ -157,6 +166,15 @@ def analyse_function(
                 break
             records.append(execute(frozenset()))
             proven = prove(records[-1])
+        if first and guessing is not None and ranking is not None:
+            guesses = {loop: g[0] for loop in _missing(records, known) if (g := guessing(nest[loop], records[-1]))}
+            again = partial(execute, frozenset[int]())
+            confirmed = _confirmed(guesses, nest, ranking, lambda guessed: again(guessed=guessed))
+            if confirmed is not None:
+                records.append(confirmed[0])
+                bounds |= confirmed[1]
+                known |= {loop: bound.bound for loop, bound in confirmed[1].items()}
+                attempt.settled = False
         more = thorough and steppable()
         if not attempt.settled and (more or (first and nested and loops and _few(order, records, known, limits))):
             records.append(execute(loops - attempt.hopeless))
@@ -170,6 +188,26 @@ def analyse_function(
     result.curtailed = curtailed
     result.attempt = attempt if result.unbounded and not thorough else None
     return result
+
+
+def _confirmed(
+    guesses: dict[int, int], nest: Sequence[Loop], ranking: Ranking, execute: Callable[[dict[int, int]], Record]
+) -> tuple[Record, dict[int, LoopBound]] | None:
+    """The guesses that are bounds, with the pass that shows it; None where none is.
+
+    A pass takes all guesses for granted, and with its values each of them is proven. Then they hold: were some loop's
+    header to be executed more often, then once for the first time in an execution; all that came before is as the pass
+    says, and of that the argument proves that it does not come to it. So a store whose place is known as long as its
+    loop goes on for no longer than it should does not destroy what ends the loop.
+    """
+    while guesses:
+        record = execute(guesses)
+        found = {loop: ranking(nest[loop], record) for loop in guesses}
+        proven = {loop: one for loop, one in found.items() if one is not None and one[0] <= guesses[loop]}
+        if len(proven) == len(guesses):
+            return record, {loop: LoopBound(one[0], Origin.ANALYSIS, one[1]) for loop, one in proven.items()}
+        guesses = {loop: guesses[loop] for loop in proven}
+    return None
 
 
 def _deep(order: Order) -> frozenset[int]:

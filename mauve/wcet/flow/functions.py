@@ -33,7 +33,7 @@ from mauve.wcet.flow.ranked import ContextRanking, Ranked
 from mauve.wcet.flow.record import GaveUp, Record
 from mauve.wcet.flow.result import AddressRange, Exclusive, FunctionFlow, LoopBound
 from mauve.wcet.flow.state import ABSOLUTE, State, Symbols
-from mauve.wcet.flow.values import LoopValues
+from mauve.wcet.flow.values import Hoped, LoopValues, writes_anywhere
 from mauve.wcet.result import Origin, Problem, ProblemKind
 from mauve.wcet.routines import is_closed, not_followed, searches_heap
 
@@ -284,9 +284,16 @@ class Functions:
                 rankings[id(record)] = ContextRanking(self.ranked, cfg, nest, values, what_calls_do, deadline)
             return rankings[id(record)].bound(loop, values)
 
+        def guessing(loop: Loop, record: Record) -> tuple[int, str] | None:
+            if not writes_anywhere(cfg, loop, record):
+                return None
+            hoped, effects = Hoped(record, loop.id, self.image), self._effects(cfg, helpers)
+            return ContextRanking(Ranked(), cfg, nest, hoped, effects, self.limits.deadline).bound(loop, hoped)
+
         stated = _smallest(self.stated[key].bounds, self._library(key, narrowed))
         order = self.orders[key]
-        result = analyse_function(order, narrowed, self.image, calls, stated, ranking, self.limits, thorough, attempt)
+        arguments = (order, narrowed, self.image, calls, stated, ranking, self.limits, thorough, attempt, guessing)
+        result = analyse_function(*arguments)
         if result.curtailed:
             if self.leaving is None:
                 raise result.curtailed

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from mauve.wcet.binary.graph import Cfg
+from mauve.wcet.binary.loops import Loop
+from mauve.wcet.binary.microop import Store, StoreUnknown
 from mauve.wcet.flow import linear
 from mauve.wcet.flow.domain import MASK, MODULUS, SIGN, Range
 from mauve.wcet.flow.image import Image
 from mauve.wcet.flow.linear import FRAME, Value
 from mauve.wcet.flow.locations import ANY, ENTRY_SP, Base, Cell, Interval, Location, Region, Sum, whole
 from mauve.wcet.flow.record import Record
-from mauve.wcet.flow.state import ABSOLUTE, State
+from mauve.wcet.flow.state import ABSOLUTE, NARROW, State
 from mauve.wcet.flow.strings import longest_at
 
 
@@ -73,6 +76,34 @@ class LoopValues:
         place = self._entry.place(address)
         written = [found for at in stores if (found := self._record.accesses.get(at)) is not None]
         return longest_at(self._any, place, self._image, written)
+
+
+class Hoped(LoopValues):
+    """The same where no store goes to a place that is not known, and memory is in every iteration as it was on entry:
+    for bounds that are guessed, and proven only with what follows from them."""
+
+    def access(self, address: int, index: int) -> Region | None:
+        """What is known, or nothing at all."""
+        return super().access(address, index) or Region(Base.ABSOLUTE, 1, 0)
+
+    def string(self, parts: Sum, offset: int, stores: tuple[tuple[int, int], ...]) -> int | None:
+        """As far as the state on entry knows."""
+        self._any = self._entry
+        return super().string(parts, offset, ())
+
+
+def writes_anywhere(cfg: Cfg, loop: Loop, record: Record) -> bool:
+    """Whether a loop has a store whose place is not known as long as its bound is not."""
+    for block in loop.blocks:
+        for instruction in cfg.blocks[block].instructions:
+            for index, op in enumerate(instruction.ops):
+                place = record.accesses.get((instruction.address, index), NOWHERE)
+                if isinstance(op, Store | StoreUnknown) and (place[0] is None or place[2] - place[1] > NARROW):
+                    return True
+    return False
+
+
+NOWHERE = (ABSOLUTE, 0, -1)
 
 
 def _symbolic(state: State, location: Location) -> Value | None:
