@@ -20,9 +20,11 @@ from mauve.wcet.flow.rank.terms import (
     bounds,
     compute,
     fold,
+    interval,
     number,
     scale,
     signed,
+    simplify,
     static_range,
     subtract,
     variable,
@@ -87,6 +89,44 @@ def test_shifts_there_and_back_are_extensions(x: int, op: Op, amount: int, offse
     assert value(back, x) == fold(op, ((x + offset) << amount) % WORD, amount)
     half = compute(Op.ASR, add(X, atom(Apply(Op.LSR, (X, number(31))))), number(1))
     assert half is not None and signed(value(half, x)) == int(signed(x) / 2)
+
+
+EXTENSIONS = st.sampled_from([Op.UXTB, Op.SXTB, Op.UXTH, Op.SXTH])
+
+
+@settings(max_examples=300, deadline=None)
+@given(st.integers(-140, 270), st.integers(0, 40), st.integers(0, 40), EXTENSIONS, EXTENSIONS, st.integers(-20, 20))
+def test_a_simpler_term_has_the_same_values_in_the_ranges(
+    low: int, below: int, above: int, outer: Op, inner: Op, more: int
+) -> None:
+    """Extensions of sums of extensions, and arithmetic shifts, where x and x extended lie in known ranges."""
+    x = low + below
+    extended = compute(outer, X, ZERO)
+    assert extended is not None
+    near = signed(value(extended, x % WORD))
+    known = Knowledge(static_range)
+    known.narrow(X, interval(low, x + above))
+    known.narrow(extended, interval(near - below, near + above))
+    added = compute(inner, X, ZERO)
+    assert added is not None
+    for term in (
+        compute(outer, add(added, number(more)), ZERO),
+        compute(outer, add(X, number(more)), ZERO),
+        compute(Op.ASR, add(X, number(more)), number(1)),
+    ):
+        assert term is not None
+        assert value(simplify(term, known.of_atom), x % WORD) == value(term, x % WORD)
+
+
+def test_an_extended_counter_moves_by_what_is_added() -> None:
+    """A counter that a loop keeps in eight bits without sign, and compares with sign."""
+    counter = compute(Op.SXTB, X, ZERO)
+    after = compute(Op.SXTB, compute(Op.UXTB, add(X, number(8)), ZERO) or ZERO, ZERO)
+    assert counter is not None and after is not None
+    known = Knowledge(static_range)
+    assert subtract(simplify(after, known.of_atom), counter) != number(8)
+    known.narrow(counter, interval(-128, 119))
+    assert subtract(simplify(after, known.of_atom), counter) == number(8)
 
 
 @given(st.integers(0, 60), st.integers(1, 12), st.integers(0, 80), st.integers(0, 80))

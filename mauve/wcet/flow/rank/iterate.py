@@ -5,13 +5,16 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from itertools import pairwise
 
+from mauve.wcet.binary.microop import Op
 from mauve.wcet.flow.locations import WORD, Interval
 from mauve.wcet.flow.rank.measures import Contradiction, Knowledge, hull, intersection, learn, pull_halves
 from mauve.wcet.flow.rank.problem import Problem
 from mauve.wcet.flow.rank.terms import (
+    Apply,
     Atom,
     Fresh,
     Ranges,
+    Relation,
     Term,
     Var,
     add,
@@ -176,7 +179,7 @@ def _step(
             knowledge.narrow(measure, values)
         for distance in distances:
             _propagate(knowledge, distance)
-        learn(knowledge, problem.passes[index].known, 1)
+        learn(knowledge, [_plain(relation, knowledge) for relation in problem.passes[index].known], 1)
     except Contradiction:
         return None
     ranges = _with_distances(knowledge, distances)
@@ -184,6 +187,14 @@ def _step(
         return [Interval(0, WORD - 1) if t is None else _value(t, knowledge, ranges, distances) for t in after]
     except Contradiction:
         return None
+
+
+def _plain(relation: Relation, knowledge: Knowledge) -> Relation:
+    """The relation with arithmetic shifts of what is not negative as logical ones, as values after a pass have them."""
+    if not any(isinstance(of, Apply) and of.op is Op.ASR for of in atoms(relation.a) | atoms(relation.b)):
+        return relation
+    a, b = (simplify(term, knowledge.of_atom) for term in (relation.a, relation.b))
+    return Relation(relation.kind, a, b)
 
 
 def _propagate(knowledge: Knowledge, distance: _Distance) -> None:

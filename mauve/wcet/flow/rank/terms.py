@@ -515,17 +515,44 @@ def _substitute_inside(part: Atom, value: Callable[[Atom], Term | None]) -> Term
             return atom(part)
 
 
+_LIMITS = {Op.UXTB: (0, 0xFF), Op.UXTH: (0, 0xFFFF), Op.SXTB: (-0x80, 0x7F), Op.SXTH: (-0x8000, 0x7FFF)}
+_WITHIN = {Op.UXTB: (Op.SXTB, Op.UXTH, Op.SXTH), Op.SXTB: (Op.UXTB, Op.UXTH, Op.SXTH), Op.UXTH: (Op.SXTH,),
+           Op.SXTH: (Op.UXTH,)}  # fmt: skip
+"""The extensions that another one makes superfluous inside it: they keep the bits that it keeps."""
+
+
 def simplify(term: Term, ranges: Ranges) -> Term:
-    """The term with extensions removed that change nothing for values in the given ranges."""
+    """The term with extensions removed that change nothing for values in the given ranges, or moved before a constant
+    is added, and signs shifted in that are zeros."""
 
     def value(of: Atom) -> Term | None:
-        if not isinstance(of, Apply) or of.op not in (Op.UXTB, Op.UXTH, Op.SXTB, Op.SXTH):
+        if isinstance(of, Apply) and of.op is Op.ASR and bounds(of.args[0], ranges).signed[0] >= 0:
+            return compute(Op.LSR, *(simplify(arg, ranges) for arg in of.args))
+        if not isinstance(of, Apply) or of.op not in _LIMITS:
             return None
         inner = simplify(of.args[0], ranges)
-        limits = {Op.UXTB: (0, 0xFF), Op.UXTH: (0, 0xFFFF), Op.SXTB: (-0x80, 0x7F), Op.SXTH: (-0x8000, 0x7FFF)}
-        return inner if within(bounds(inner, ranges), *limits[of.op]) else None
+        if within(bounds(inner, ranges), *_LIMITS[of.op]):
+            return inner
+        return _before_adding(of.op, inner, ranges)
 
     return substitute(term, value) or term
+
+
+def _before_adding(op: Op, inner: Term, ranges: Ranges) -> Term | None:
+    """x extended, plus c, for the extension of x + c (x extended within itself or not), where that does not wrap."""
+    constant = 0
+    while len(inner.parts) == 1:
+        ((of, factor),) = inner.parts
+        if factor != 1 or not isinstance(of, Apply) or of.op not in (op, *_WITHIN[op]):
+            break
+        constant, inner = constant + inner.constant, of.args[0]
+    constant = signed((constant + inner.constant) % WORD)
+    extended = compute(op, subtract(inner, number(inner.constant)), ZERO)
+    if extended is None or not constant:
+        return extended
+    low, high = bounds(extended, ranges).signed
+    least, most = _LIMITS[op]
+    return add(extended, number(constant)) if least <= low + constant and high + constant <= most else None
 
 
 def atoms(term: Term) -> set[Atom]:
