@@ -97,7 +97,7 @@ def call(
         return None
     if leaking & OF_FRAME:
         state.leaked = True
-    divided = None if helper is None else _division(state, helper)
+    divided = None if helper is None else quotients(helper, *(state.range_of(state.regs[r]) for r in (0, 1)))
     _leave_frame(state)
     spills.forget_after_call(state)
     state.flags, state.origin = flags.ANY, None
@@ -118,21 +118,18 @@ def call(
     return state
 
 
-def _division(state: State, helper: Helper) -> list[tuple[int, Range]]:
-    """The results of a division by their registers."""
-    a, b = state.range_of(state.regs[0]), state.range_of(state.regs[1])
-    low, high = b.unsigned_bounds()
-    if low == 0:
+def quotients(helper: Helper, a: Range, b: Range) -> list[tuple[int, Range]]:
+    """The results of a division of a by b, by their registers; none where b may be 0."""
+    low, high = b.signed_bounds() if helper.is_signed else b.unsigned_bounds()
+    if low <= 0 <= high:
         return []  # what a division by zero gives is not said
-    quotient = domain.apply(Op.UDIV, a, b)
-    rest = domain.between(0, min(high - 1, a.unsigned_bounds()[1]))
-    match helper:
-        case Helper.UDIV:
-            return [(0, quotient)]
-        case Helper.UMOD:
-            return [(0, rest)]
-        case Helper.UDIVMOD:
-            return [(0, quotient), (1, rest)]
+    quotient = domain.apply(Op.SDIV if helper.is_signed else Op.UDIV, a, b)
+    least, most = a.signed_bounds() if helper.is_signed else a.unsigned_bounds()
+    below = max(abs(low), abs(high)) - 1
+    rest = domain.sub(a, domain.apply(Op.MUL, quotient, b)) if a.n == b.n == 0 else None
+    rest = rest or domain.between(max(-below, min(least, 0)), min(below, max(most, 0)))
+    found = ((helper.quotient, quotient), (helper.remainder, rest))
+    return [(register, known) for register, known in found if register is not None]
 
 
 _HELPERS = {
@@ -140,8 +137,12 @@ _HELPERS = {
     "__udivsi3": Helper.UDIV,
     "__aeabi_uidivmod": Helper.UDIVMOD,
     "__umodsi3": Helper.UMOD,
+    "__aeabi_idiv": Helper.SDIV,
+    "__divsi3": Helper.SDIV,
+    "__aeabi_idivmod": Helper.SDIVMOD,
+    "__modsi3": Helper.SMOD,
 }
-"""The names that the run-time ABI and the compilers' libraries reserve for divisions of unsigned words."""
+"""The names that the run-time ABI and the compilers' libraries reserve for divisions of words."""
 
 
 def helper_named(names: Iterable[str]) -> Helper | None:

@@ -156,7 +156,7 @@ CALL_CLOBBERED = frozenset({0, 1, 2, 3, 12, 14})
 
 
 class Helper(Enum):
-    """What a callee computes from r0 and r1, for the run-time helpers that stand for a division of unsigned numbers.
+    """What a callee computes from r0 and r1, for the run-time helpers that stand for a division.
 
     A division by zero gives anything.
     """
@@ -167,6 +167,25 @@ class Helper(Enum):
     """r0 := r0 mod r1"""
     UDIVMOD = "udivmod"
     """r0 := r0 / r1, r1 := r0 mod r1"""
+    SDIV = "sdiv"
+    """the same with sign, rounded towards 0"""
+    SMOD = "smod"
+    SDIVMOD = "sdivmod"
+
+    @property
+    def is_signed(self) -> bool:
+        """Whether the numbers have signs."""
+        return self in (Helper.SDIV, Helper.SMOD, Helper.SDIVMOD)
+
+    @property
+    def quotient(self) -> int | None:
+        """The register of the quotient."""
+        return None if self in (Helper.UMOD, Helper.SMOD) else 0
+
+    @property
+    def remainder(self) -> int | None:
+        """The register of the remainder."""
+        return 1 if self in (Helper.UDIVMOD, Helper.SDIVMOD) else 0 if self in (Helper.UMOD, Helper.SMOD) else None
 
 
 @dataclass(frozen=True, slots=True)

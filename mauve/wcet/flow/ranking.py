@@ -25,6 +25,7 @@ from mauve.wcet.flow.locations import (
     NoValues,
     Region,
 )
+from mauve.wcet.flow.rank.absorbing import without_absorbing
 from mauve.wcet.flow.rank.affine import affine
 from mauve.wcet.flow.rank.finite import finite
 from mauve.wcet.flow.rank.inductive import inductive, inductive_of
@@ -167,14 +168,25 @@ def _best_argument(
         return invariant(of) if known is None else meet(invariant(of), known)
 
     problem = pose(program, problem.passes, entries, _remembered(refined), on_entry)
-    best: RankBound | None = None
     stores = stores_of(program, loop)
     along: tuple[str, Callable[[Problem], int | None]] = ("end of a string", lambda p: walk(p, values, stores))
-    for method, argument in (*_ARGUMENTS, along):
+    best = _best(problem, (*_ARGUMENTS, along))
+    if best is None and problem.passes:
+        exits = exit_states(program, loop)
+        if not any(other.parent == loop.id for other in program.nest.loops):
+            made = finite(problem, untouched, exits)
+            best = None if made is None else RankBound(made + 1, "states that never repeat")
+        returning = without_absorbing(problem, exits)
+        other = None if returning is None else _best(returning, _ARGUMENTS)
+        best = min((found for found in (other, best) if found is not None), key=lambda found: found.bound, default=None)
+    return best
+
+
+def _best(problem: Problem, arguments: tuple[tuple[str, Callable[[Problem], int | None]], ...]) -> RankBound | None:
+    """The smallest bound that one of the arguments proves."""
+    best: RankBound | None = None
+    for method, argument in arguments:
         made = argument(problem) if problem.passes else 0
         if made is not None and made <= MOST and (best is None or made + 1 < best.bound):
             best = RankBound(made + 1, method)
-    if best is None and problem.passes and not any(other.parent == loop.id for other in program.nest.loops):
-        made = finite(problem, untouched, exit_states(program, loop))
-        best = None if made is None else RankBound(made + 1, "states that never repeat")
     return best

@@ -111,6 +111,7 @@ class Engine:
         self.problem = problem
         self.distances = _distances(problem)
         self.measures = [*_variables(problem), *(d.term for d in self.distances)]
+        self._known = [sorted(state.known, key=str) for state in problem.passes]
         self._after = [[problem.after(m, i) for m in self.measures] for i in range(len(problem.passes))]
 
     def start(self) -> list[Interval]:
@@ -121,7 +122,8 @@ class Engine:
         """Intervals after any one pass; None when none is possible."""
         results = []
         for index, after in enumerate(self._after):
-            result = _step(self.problem, index, self.measures, current, after, self.distances)
+            known = self._known[index]
+            result = _step(self.problem, known, self.measures, current, after, self.distances)
             if result is not None:
                 results.append(result)
         return [hull([r[k] for r in results]) for k in range(len(self.measures))] if results else None
@@ -165,13 +167,13 @@ def _distances(problem: Problem) -> list[_Distance]:
 
 def _step(
     problem: Problem,
-    index: int,
+    known: list[Relation],
     measures: list[Term],
     current: list[Interval],
     after: list[Term | None],
     distances: list[_Distance],
 ) -> list[Interval] | None:
-    """The measures after pass `index` from `current`; None when the pass is impossible."""
+    """The measures after a pass of which relations are known, from `current`; None when it is impossible."""
 
     knowledge = Knowledge(problem.ranges)
     try:
@@ -179,7 +181,7 @@ def _step(
             knowledge.narrow(measure, values)
         for distance in distances:
             _propagate(knowledge, distance)
-        learn(knowledge, [_plain(relation, knowledge) for relation in problem.passes[index].known], 1)
+        learn(knowledge, [_plain(relation, knowledge) for relation in known], 1)
     except Contradiction:
         return None
     ranges = _with_distances(knowledge, distances)

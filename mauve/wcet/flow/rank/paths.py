@@ -39,7 +39,6 @@ from mauve.wcet.flow.locations import (
     CallEffects,
     Cell,
     EntryValues,
-    Helper,
     Interval,
     Location,
     NoValues,
@@ -516,12 +515,13 @@ def _call(program: Program, state: State, effects: CallEffects) -> None:
     forget(program, state, call_changes(program, effects))
     if effects.helper is None or a is None or b is None:
         return
-    quotient = compute(Op.UDIV, a, b)
+    helper = effects.helper
+    quotient = compute(Op.SDIV if helper.is_signed else Op.UDIV, a, b)
     product = quotient and compute(Op.MUL, quotient, b)
-    if quotient is not None and effects.helper in (Helper.UDIV, Helper.UDIVMOD):
-        state.registers[0] = quotient
-    if product is not None and effects.helper in (Helper.UMOD, Helper.UDIVMOD):
-        state.registers[1 if effects.helper is Helper.UDIVMOD else 0] = subtract(a, product)
+    if quotient is not None and helper.quotient is not None:
+        state.registers[helper.quotient] = quotient
+    if product is not None and helper.remainder is not None:
+        state.registers[helper.remainder] = subtract(a, product)
 
 
 def call_changes(program: Program, effects: CallEffects) -> Changes:

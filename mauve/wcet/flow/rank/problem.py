@@ -97,14 +97,14 @@ def pose(
         _eliminate(state)
         state.known = _telling(state.known)
         try:
-            known.append(learn(Knowledge(ranges), state.known))
+            known.append(learn(Knowledge(ranges), sorted(state.known, key=str)))
             kept.append(state)
         except Contradiction:
             continue
     possible: list[tuple[State, Knowledge]] = []
     for entry in entries:
         try:
-            possible.append((entry, learn(Knowledge(static_range), entry.known)))
+            possible.append((entry, learn(Knowledge(static_range), sorted(entry.known, key=str))))
         except Contradiction:
             continue
     return Problem(program, ranges, entry_ranges, kept, known, possible)

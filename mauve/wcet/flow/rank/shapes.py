@@ -8,7 +8,20 @@ from mauve.wcet.flow.rank.measures import contains
 from mauve.wcet.flow.rank.merging import value_at
 from mauve.wcet.flow.rank.paths import State
 from mauve.wcet.flow.rank.problem import Problem, locations
-from mauve.wcet.flow.rank.terms import ZERO, Kind, Relation, Term, Truth, add, compute, number, subtract, variable
+from mauve.wcet.flow.rank.terms import (
+    ZERO,
+    Kind,
+    Relation,
+    Term,
+    Truth,
+    Var,
+    add,
+    atoms,
+    compute,
+    number,
+    subtract,
+    variable,
+)
 
 
 def bits_cleared(problem: Problem) -> int | None:
@@ -61,7 +74,8 @@ def _cleared(x: Term) -> list[Term]:
 
 
 def remainders(problem: Problem) -> int | None:
-    """Euclid's algorithm: every pass does (a, b) := (b, a mod b), unsigned, with b != 0 before, or after.
+    """Euclid's algorithm: every pass does (a, b) := (b, a mod b) with b != 0 before, or after. With sign, the remainder
+    has that of a, and the magnitudes are those of the algorithm without signs.
 
     Lame: n divisions of a > b need a >= F(n+2), so n is at most the greatest with F(n+2) <= the greatest entry value; a
     first pass with a < b only exchanges them, one more. When b != 0 is known after the pass only, the last division,
@@ -69,30 +83,39 @@ def remainders(problem: Problem) -> int | None:
     """
     best: int | None = None
     places = list(locations(problem))
-    for a in places:
-        for b in places:
-            if a == b:
-                continue
-            before = after = True
-            for state in problem.passes:
-                new_a, new_b = value_at(problem.program, state, a), value_at(problem.program, state, b)
-                if new_a != variable(b) or not _is_remainder(new_b, variable(a), variable(b)):
-                    break
-                before &= _differs_from_zero(state, variable(b))
-                after &= _differs_from_zero(state, new_b)
-            else:
-                if before or after:
-                    greatest = max(problem.on_entry(variable(p)).unsigned[1] for p in (a, b))
-                    best = _least(best, _lame(greatest) + (0 if after else 1))
+    for b in places:
+        into = atoms(value_at(problem.program, problem.passes[0], b))
+        for a in sorted({of.location for of in into if isinstance(of, Var) and of.location != b}, key=str):
+            for division in (Op.UDIV, Op.SDIV):
+                count = _divisions(problem, division, a, b)
+                best = best if count is None else _least(best, count)
     return best
 
 
-def _is_remainder(term: Term, a: Term, b: Term) -> bool:
-    quotient = compute(Op.UDIV, a, b)
+def _divisions(problem: Problem, division: Op, a: Location, b: Location) -> int | None:
+    """How many passes (a, b) := (b, a mod b) there are, where all are such."""
+    before = after = True
+    for state in problem.passes:
+        new_a, new_b = value_at(problem.program, state, a), value_at(problem.program, state, b)
+        if new_a != variable(b) or not _is_remainder(division, new_b, variable(a), variable(b)):
+            return None
+        before &= _differs_from_zero(state, variable(b))
+        after &= _differs_from_zero(state, new_b)
+    if not before and not after:
+        return None
+    entered = [problem.on_entry(variable(place)) for place in (a, b)]
+    greatest = max(max(map(abs, of.signed)) if division is Op.SDIV else of.unsigned[1] for of in entered)
+    return _lame(greatest) + (0 if after else 1)
+
+
+def _is_remainder(division: Op, term: Term, a: Term, b: Term) -> bool:
+    quotient = compute(division, a, b)
     if quotient is None:
         return False
     products = [compute(Op.MUL, quotient, b), compute(Op.MUL, b, quotient)]
     rests = [subtract(a, product) for product in products if product is not None]
+    if division is Op.SDIV:
+        return term in rests
     # A remainder cut to fewer bits is no greater, and the argument needs no more.
     return term in [*rests, *(compute(op, rest, ZERO) for rest in rests for op in (Op.UXTH, Op.UXTB))]
 

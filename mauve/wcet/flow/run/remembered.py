@@ -12,8 +12,8 @@ from typing import Any
 
 from mauve.wcet.binary.graph import Cfg
 from mauve.wcet.binary.microop import SP, Compute, IndirectCall, Load, Op, Operand, Store, StoreUnknown
-from mauve.wcet.flow import domain
 from mauve.wcet.flow.domain import Range
+from mauve.wcet.flow.effects import quotients
 from mauve.wcet.flow.locations import Helper
 from mauve.wcet.flow.run.words import Some, Word, covers, is_wild, range_of
 
@@ -103,17 +103,7 @@ def _same(a: Any, b: Any) -> bool:
 
 
 def computed(helper: Helper, dividend: Word, divisor: Word) -> tuple[Range | None, Range | None]:
-    """What r0 and r1 are after a division of words without sign; None: anything."""
+    """What r0 and r1 are after a division of words; None: anything."""
     x, y = range_of(dividend), range_of(divisor)
-    if x is None or y is None or 0 in y:
-        return None, None
-    quotient = domain.apply(Op.UDIV, x, y)
-    most = min(x.unsigned_bounds()[1], y.unsigned_bounds()[1] - 1)
-    rest = domain.between(0, most)
-    match helper:
-        case Helper.UDIV:
-            return quotient, None
-        case Helper.UMOD:
-            return rest, None
-        case Helper.UDIVMOD:
-            return quotient, rest
+    found = {} if x is None or y is None else dict(quotients(helper, x, y))
+    return found.get(0), found.get(1)
