@@ -21,10 +21,11 @@ from tests.wcet.soundness.replay import Replay, record
 
 SHAPES = Path(__file__).parent / "shapes"
 IMAGES = ("arm7tdmi-O0", "cortex-m3-O2")
-BOUNDS = {"trailing": 33, "normal": 4, "halves": 32, "leaves": 41, "common": 46, "divisor": 47, "refill": 19, "above": 9}
+BOUNDS = {"trailing": 33, "normal": 4, "halves": 32, "leaves": 41, "common": 46, "divisor": 47,
+          "refill": 19, "above": 9}  # fmt: skip
 """By function, the executions of the loop's header; one less where the compiler tests at the end."""
 ENDLESS = {"trailing": 0, "normal": 0, "halves": 1 << 31}
-CORNERS = (0, 1, 2, 3, 127, 128, 255, 256, 0x7FFF_FFFF, 0x8000_0000, 0x8000_0001, 0xFFFF_FFFF, 2_971_215_073, 1_836_311_903)
+CORNERS = (0, 1, 2, 3, 127, 128, 255, 256, 0x7FFF_FFFF, 0x8000_0000, 0x8000_0001, 0xFFFF_FFFF, 2_971_215_073)
 
 
 @cache
@@ -73,7 +74,7 @@ numbers = st.integers(0, domain.MASK) | st.sampled_from([0, 1, 2, domain.SIGN - 
 def test_divisions_of_ranges_hold_all_results(a: int, more: int, b: int, wider: int, helper: Helper) -> None:
     x, y = domain.between(a, a + more), domain.between(b, b + wider)
     found = dict(quotients(helper, x, y))
-    assert bool(found) == (0 not in y)
+    assert not (found and 0 in y) and (found or 0 in y or helper.is_signed)
     for dividend in (a, a + more // 2, a + more) if found else ():
         for divisor in (b, b + wider // 2, b + wider):
             n, d = dividend & domain.MASK, divisor & domain.MASK
