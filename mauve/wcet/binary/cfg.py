@@ -341,7 +341,8 @@ class _Exploration:
                 return (_Out(back & ~1, EdgeKind.CALL, (), instruction.thumb), *past)
             return (self._call(instruction, found.targets, back), *past)
         ways = dict.fromkeys(self._reach(key & ~1, bool(key & 1), EdgeKind.SWITCH) for key in found.targets)
-        return (*ways, *past)
+        elsewhere = (_Out(None, EdgeKind.STOP),) if found.is_partial else ()
+        return (*ways, *elsewhere, *past)
 
     def _helper_outs(self, instruction: Instruction, flow: Call, found: Resolution | None) -> tuple[_Out, ...]:
         """Through the helper to each place that it may come back to."""
@@ -355,7 +356,7 @@ class _Exploration:
     def assemble(self) -> Cfg:
         """Cut the instructions into blocks, keep what the entry reaches, number by address."""
         for address, found in self.indirect.items():
-            if found is None or (found.link is not None and not found.targets):
+            if found is None or found.is_partial or (found.link is not None and not found.targets):
                 self._hole(address, *self._open_message(self.code.instructions[address]))
         runs = self._runs()
         reached = self._reached(runs)

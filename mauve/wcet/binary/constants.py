@@ -110,6 +110,8 @@ class Constants:
         leaders = {entry, *(target for ways in after.values() for target, _ in ways)}
         self._starts: dict[int, Values] = {entry: Values({SP: InFrame(0)})}
         self._leaders = leaders
+        self.made: set[int] = set()
+        """all constants that instructions compute"""
         if len(instructions) <= _MOST and not self._settle(entry):
             self._starts = {}
 
@@ -156,14 +158,19 @@ class Constants:
             address = work.pop()
             values = self._starts[address].copy()
             while (instruction := self._instructions.get(address)) is not None:
-                self._pass(instruction, values)
+                passed = values  # where a conditional branch is not taken
+                if not isinstance(instruction.flow, Next) and instruction.condition is not Condition.AL:
+                    passed = values.copy()
+                self._pass(instruction, values, goes=True)
                 ways = list(self._after.get(address, ()))
                 if isinstance(instruction.flow, Next | SupervisorCall):
                     if instruction.end not in self._leaders:
                         address = instruction.end
                         continue
                     ways.append((instruction.end, EdgeKind.FALL))
-                work += [target for target, kind in ways if self._arrive(target, kind, instruction, values)]
+                for target, kind in ways:
+                    if self._arrive(target, kind, instruction, passed if kind is EdgeKind.FALL else values):
+                        work.append(target)
                 break
         return True
 
@@ -191,8 +198,10 @@ class Constants:
         return after
 
     # ------------------------------------------------------------------------------------------------ instructions
-    def _pass(self, instruction: Instruction, values: Values) -> None:
-        before = None if instruction.condition is Condition.AL else values.copy()
+    def _pass(self, instruction: Instruction, values: Values, goes: bool = False) -> None:
+        """Run an instruction; a branch is taken where it `goes`."""
+        sure = instruction.condition is Condition.AL or (goes and not isinstance(instruction.flow, Next))
+        before = None if sure else values.copy()
         for op in instruction.ops:
             self._operation(op, values)
         for register in [r for r in values.registers if r >= FIRST_TEMPORARY]:
@@ -203,7 +212,10 @@ class Constants:
     def _operation(self, op: MicroOp, values: Values) -> None:
         match op:
             case Compute(name, dst, a, b):
-                self._set(values, dst, _computed(name, values, a, b))
+                computed = _computed(name, values, a, b)
+                if isinstance(computed, int):
+                    self.made.add(computed)
+                self._set(values, dst, computed)
             case Load(dst, address, size, is_signed):
                 self._set(values, dst, self._loaded(values, values.of(address), size, is_signed))
             case Store(address, value, size):

@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
-from mauve.wcet.binary.constants import Constants, Known
+from mauve.wcet.binary.constants import Constants, InFrame, Known
 from mauve.wcet.binary.elf import Binary, Content
 from mauve.wcet.binary.graph import EdgeKind
 from mauve.wcet.binary.microop import (
@@ -38,21 +38,22 @@ from mauve.wcet.binary.microop import (
     SupervisorCall,
     TableJump,
 )
-from mauve.wcet.binary.terms import MASK, Flags, Terms, concrete
+from mauve.wcet.binary.tables import MOST_ENTRIES, evaluate, inline_table, labels, open_table
+from mauve.wcet.binary.terms import MASK, Flags, Terms
 
-TABLE_LIMIT = 1024
-"""The most targets that one jump may have."""
 _PATHS, _LENGTH = 96, 300
 
 
 @dataclass(frozen=True, slots=True)
 class Resolution:
     """Where an indirect jump goes: `targets` are keys; `returns`: out of the function; with a `link` it is a call
-    that comes back to that address (for a call instruction `link` is None: it comes back behind itself)."""
+    that comes back to that address (for a call instruction `link` is None: it comes back behind itself). `is_partial`:
+    it may go elsewhere as well."""
 
     targets: tuple[int, ...] = ()
     returns: bool = False
     link: int | None = None
+    is_partial: bool = False
 
 
 _Step = tuple[int, EdgeKind | None]
@@ -99,6 +100,10 @@ class Code:
             found = Constants(self.binary, self.entry, self.instructions, after, self._keeps_registers)
             self._constants = stamp, found
         return self._constants[1]
+
+    def labels(self, thumb: bool) -> frozenset[int]:
+        """The places of the function whose address is taken, as keys."""
+        return labels(self.binary, self.entry, thumb, self.constants().made)
 
     def _keeps_registers(self, call: Instruction) -> bool:
         """Whether a call is one of a function with a symbol: those follow the procedure call standard."""
@@ -172,6 +177,14 @@ class _Path:
             else:
                 settled[number] = number
         return settled[term]
+
+    def inline_table(self, term: int, below: Sequence[int], fixed: dict[int, int]) -> set[int] | None:
+        """See tables.inline_table."""
+        code = self.code
+        return inline_table(
+            self.terms, term, below, fixed, code.binary, self.place,
+            lambda at: at in code.instructions or at in code.literals,
+        )  # fmt: skip
 
     def _pass(self, instruction: Instruction, kind: EdgeKind | None) -> None:
         """Run one instruction and leave it by an edge of this kind."""
@@ -304,13 +317,22 @@ def resolve(code: Code, instruction: Instruction) -> Resolution | None:
     """The targets of an indirect jump, call or table jump; None when they are not known."""
     if isinstance(instruction.flow, IndirectCall) and _comes_in(code, instruction):
         return None
+    found = _search(code, instruction, False)
+    if found is None and isinstance(instruction.flow, IndirectJump | TableJump):
+        found = _search(code, instruction, True)
+    return found
+
+
+def _search(code: Code, instruction: Instruction, unchecked: bool) -> Resolution | None:
+    """Grow paths backwards until each answers. `unchecked`: of a table that is known, not how long it is, nor what the
+    index is compared with; of a pointer, that it is one to a label."""
     found: Resolution | None = None
     work: list[list[_Step]] = [_extend_straight(code, [(instruction.address, None)])]
     spent = 0
     while work:
         steps = work.pop()
         spent += 1
-        answer = _answer(code, steps, instruction)
+        answer = _answer(code, steps, instruction, unchecked)
         if answer is None:
             start = steps[-1][0]
             before = code.before(start)
@@ -319,7 +341,7 @@ def resolve(code: Code, instruction: Instruction) -> Resolution | None:
             work += [_extend_straight(code, [*steps, step]) for step in before]
             continue
         found = answer if found is None else _union(found, answer)
-        if found is None or len(found.targets) > TABLE_LIMIT:
+        if found is None or len(found.targets) > MOST_ENTRIES:
             return None
     return found
 
@@ -360,11 +382,12 @@ def _copied(instruction: Instruction, register: int) -> int | None:
 def _union(first: Resolution, second: Resolution) -> Resolution | None:
     if (first.returns, first.link) != (second.returns, second.link):
         return None
-    return Resolution(tuple(sorted({*first.targets, *second.targets})), first.returns, first.link)
+    is_partial = first.is_partial or second.is_partial
+    return Resolution(tuple(sorted({*first.targets, *second.targets})), first.returns, first.link, is_partial)
 
 
 # ------------------------------------------------------------------------------------------------ the answer of a path
-def _answer(code: Code, steps: list[_Step], instruction: Instruction) -> Resolution | None:
+def _answer(code: Code, steps: list[_Step], instruction: Instruction, unchecked: bool) -> Resolution | None:
     path = _Path(code, steps)
     path.assume(instruction.condition)
     flow = instruction.flow
@@ -385,8 +408,10 @@ def _answer(code: Code, steps: list[_Step], instruction: Instruction) -> Resolut
         if parts == ("initial", LR) and steps[-1][0] == code.entry:
             return Resolution(returns=True)
     exchanges = flow.exchanges if isinstance(flow, IndirectJump | IndirectCall) else False
-    keys = _targets(code, path, term, steps[-1][0], exchanges, instruction.thumb)
+    keys = _targets(code, path, term, steps[-1][0], exchanges, instruction.thumb, unchecked)
     if keys is None:
+        if unchecked and link is None and _is_pointer(path, term):
+            return _label(code, instruction)
         if link == instruction.end | instruction.thumb or link == instruction.end:
             return Resolution(link=link)
         return None
@@ -430,14 +455,33 @@ def _target_term(path: _Path, flow: object) -> int:
     return path.operand(flow.target)
 
 
-def _targets(code: Code, path: _Path, term: int, start: int, exchanges: bool, thumb: bool) -> set[int] | None:
+def _is_pointer(path: _Path, term: int) -> bool:
+    """Whether a term is a word from memory, or one with bit 0 set."""
+    parts = path.terms.table[term]
+    if parts[0] is Op.OR and path.terms.value(parts[2]) == 1:
+        parts = path.terms.table[parts[1]]
+    return bool(parts[0] == "load" and parts[2] == 4)
+
+
+def _label(code: Code, instruction: Instruction) -> Resolution | None:
+    """A jump to what a pointer holds goes to one of the function's labels; unless that is a function: where the frame
+    is given back, it may be the last call."""
+    keys = code.labels(instruction.thumb)
+    stack = code.constants().at(instruction.address).registers.get(SP)
+    is_sure = not getattr(instruction.flow, "exchanges", False) or (stack is not None and stack != InFrame(0))
+    return Resolution(tuple(sorted(keys)), is_partial=not is_sure) if keys else None
+
+
+def _targets(
+    code: Code, path: _Path, term: int, start: int, exchanges: bool, thumb: bool, unchecked: bool = False
+) -> set[int] | None:
     """Where a jump to the term goes on a path from `start`, as keys: all values of the term, by running through the
     range of one of the terms it is made of, where all of them are code. Where they are not, an index was not checked,
     and the table ends before its range does."""
     terms, binary = path.terms, code.binary
     below = terms.below(term)
     fixed = _fixed(code, path, below, start)
-    constant = _run(terms, below, fixed, binary)
+    constant = evaluate(terms, below, fixed, binary)
     if constant is not None:
         return _keys({constant}, exchanges, thumb, binary)
     candidates: list[tuple[int, int, tuple[tuple[int, int], ...]]] = []
@@ -445,14 +489,14 @@ def _targets(code: Code, path: _Path, term: int, start: int, exchanges: bool, th
         if terms.value(number) is None and number != term and number not in fixed:
             ranges = terms.ranges(number)
             count = sum(high - low + 1 for low, high in ranges)
-            if count <= TABLE_LIMIT:
+            if count <= MOST_ENTRIES:
                 candidates.append((count, -number, ranges))
     for _, negative, ranges in sorted(candidates):
         values: set[int] = set()
-        if terms.table[-negative][0] == "load" and (table := _inline_table(path, term, below, fixed)):
+        if terms.table[-negative][0] == "load" and (table := path.inline_table(term, below, fixed)):
             return _keys(table, exchanges, thumb, binary)  # of an entry of a table only its width is known
         for value in (v for low, high in ranges for v in range(low, high + 1)):
-            result = _run(terms, below, {**fixed, -negative: value}, binary)
+            result = evaluate(terms, below, {**fixed, -negative: value}, binary)
             if result is None:
                 break
             values.add(result)
@@ -460,7 +504,9 @@ def _targets(code: Code, path: _Path, term: int, start: int, exchanges: bool, th
             keys = _keys(values, exchanges, thumb, binary)
             if keys is not None:
                 return keys
-    table = _inline_table(path, term, below, fixed)
+    table = path.inline_table(term, below, fixed)
+    if table is None and unchecked:
+        table = open_table(terms, term, below, fixed, binary, code.entry)
     return None if table is None else _keys(table, exchanges, thumb, binary)
 
 
@@ -479,67 +525,6 @@ def _fixed(code: Code, path: _Path, below: Iterable[int], start: int) -> dict[in
         if isinstance(value, int):
             fixed[number] = value
     return fixed
-
-
-def _inline_table(path: _Path, term: int, below: Sequence[int], fixed: dict[int, int]) -> set[int] | None:
-    """The targets in a table that follows the jump, for an index whose range the code does not check (compilers leave
-    the check out where they know the index): the table ends before the nearest code that it leads to, at the latest.
-
-    Looks for a term such that its values 0, 1, 2, ... read entries one behind the other. Entries that would lead into
-    the table itself are padding.
-    """
-    terms, binary, place = path.terms, path.code.binary, path.place
-    loads = [number for number in below if terms.table[number][0] == "load"]
-    for number in below:
-        if len(loads) != 1 or terms.value(number) is not None or number in fixed or number in (term, loads[0]):
-            continue
-        (load,) = loads
-        size, where = terms.table[load][2], terms.table[load][1]
-        start = _run(terms, terms.below(where), {**fixed, number: 0}, binary)
-        if start is None or not 0 <= start - place < 4 + size:
-            continue
-        targets: set[int] = set()
-        content = binary.content_at(start)
-        nearest: int | None = None
-        for index in range(TABLE_LIMIT):
-            given = {**fixed, number: index}
-            at = _run(terms, terms.below(where), given, binary)
-            target = _run(terms, below, given, binary)
-            if at is None or at != start + size * index or target is None:
-                break
-            if nearest is not None and at + size > nearest:
-                break
-            known = path.code.instructions, path.code.literals
-            if binary.content_at(at) is not content or any(a in those for those in known for a in range(at, at + size)):
-                break
-            if not start <= target & ~1 <= at and binary.read_code(target & ~1, 2) is None:
-                break  # what follows the table
-            targets.add(target)
-            nearest = min((t & ~1 for t in targets if t & ~1 > at), default=nearest)
-        if nearest is not None and targets:
-            return {t for t in targets if not start <= t & ~1 < nearest}
-    return None
-
-
-def _run(terms: Terms, below: Iterable[int], given: dict[int, int], binary: Binary) -> int | None:
-    """The value of the last term when some are given, loads read from constant memory; None when it takes more."""
-    known: dict[int, int | None] = {}
-    last: int | None = None
-    for number in below:
-        parts = terms.table[number]
-        value: int | None = None
-        if number in given:
-            value = given[number]
-        elif parts[0] == "constant":
-            value = parts[1]
-        elif isinstance(parts[0], Op):
-            a, b = known[parts[1]], known[parts[2]]
-            value = None if a is None or b is None else concrete(parts[0], a, b)
-        elif parts[0] == "load" and (address := known[parts[1]]) is not None:
-            raw = binary.read_constant(address, parts[2])
-            value = None if raw is None else int.from_bytes(raw, "little", signed=parts[3]) & MASK
-        known[number] = last = value
-    return last
 
 
 def _keys(values: set[int], exchanges: bool, thumb: bool, binary: Binary) -> set[int] | None:

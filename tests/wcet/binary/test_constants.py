@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
-from wcet.soundness.machine_code import START, executable
+from wcet.soundness.machine_code import START, branch, executable
 
 from mauve.wcet.binary.cfg import build_cfg
-from mauve.wcet.binary.elf import Binary, load_bytes
-from mauve.wcet.binary.graph import Cfg, EdgeKind
+from mauve.wcet.binary.elf import Binary, Content, load_bytes
+from mauve.wcet.binary.graph import Cfg, EdgeKind, UnresolvedKind
+from mauve.wcet.flow.program import analyse_program
+from mauve.wcet.result import ProblemKind
 
 HEAD = [
     0xE92D_4010,  # push {r4, lr}
@@ -84,3 +88,50 @@ def test_a_signed_byte_that_is_checked_as_an_unsigned_one() -> None:
     table = [start + 8, start + 12]
     cfg = _cfg([0xE1D0_30D0, 0xE6EF_2073, *jump, *table, 0xE12F_FF1E, 0xE12F_FF1E])
     assert not cfg.unresolved and _switched(cfg) == set(table)
+
+
+def test_a_register_keeps_its_constant_past_a_conditional_return() -> None:
+    """ldr r4, =table; push {r4, lr}; popls {r4, pc}: where it does not return, r4 is as it was."""
+    head = [0xE59F_4024, 0xE92D_4010, 0xE350_0000, 0x98BD_8010, 0xE200_0003, 0xE794_3100, 0xE12F_FF13]
+    cases = [0xE8BD_8010] * 3
+    table = [START + 4 * place for place in (7, 8, 9, 7)]
+    cfg = _cfg([*head, *cases, 0, START + 48, *table])
+    assert not cfg.unresolved and _switched(cfg) == set(table)
+
+
+def test_a_table_ends_where_its_entries_leave_the_function() -> None:
+    """ldr r2, =table; ldrb r3, [r0]; ldr r3, [r2, r3, lsl #2]; bx r3: a computed goto."""
+    code = [0xE59F_2010, 0xE5D0_3000, 0xE792_3103, 0xE12F_FF13, 0xE12F_FF1E, 0xE12F_FF1E]
+    table = [START + 16, START + 20, START + 16]
+    words = [*code, START + 28, *table, 0, START + 4]
+    binary = load_bytes(executable(words, [("f", START, 24)]), "f.elf")
+    assert isinstance(binary, Binary)
+    cfg = build_cfg(binary, START)
+    assert not cfg.unresolved and _switched(cfg) == {START + 16, START + 20}
+
+
+@pytest.mark.parametrize("has_frame", [True, False])
+def test_a_pointer_from_memory_leads_to_labels_whose_address_is_taken(has_frame: bool) -> None:
+    """ldr r3, [r0]; bx r3: where there is a frame still, no function is called that way; else it may be one."""
+    enter, leave = (0xE92D_4010, 0xE8BD_8010) if has_frame else (0xE1A0_0000, 0xE12F_FF1E)
+    words = [enter, 0xE590_3000, 0xE12F_FF13, leave, 0xE280_0004, branch(5, 1), START + 12, START + 16]
+    found = load_bytes(executable(words, [("f", START, 24)]), "f.elf")
+    assert isinstance(found, Binary)
+    marks = ((START, Content.ARM), (START + 24, Content.DATA))
+    binary = replace(found, mapping=marks, _marks=tuple(at for at, _ in marks))
+    cfg = build_cfg(binary, START)
+    assert _switched(cfg) == {START + 12, START + 16}
+    assert [hole.kind for hole in cfg.unresolved] == ([] if has_frame else [UnresolvedKind.BRANCH])
+
+
+def test_a_jump_to_what_memory_holds_decides_by_what_is_not_known() -> None:
+    """loop: ldr r3, [r0]; bx r3, with labels that go on or return: nothing bounds the loop."""
+    words = [0xE92D_4010, 0xE590_3000, 0xE12F_FF13, 0xE8BD_8010, branch(4, 1), START + 12, START + 16]
+    found = load_bytes(executable(words, [("f", START, 20)]), "f.elf")
+    assert isinstance(found, Binary)
+    marks = ((START, Content.ARM), (START + 20, Content.DATA))
+    binary = replace(found, mapping=marks, _marks=tuple(at for at, _ in marks))
+    program = analyse_program(binary, START)
+    (flow,) = program.functions.values()
+    assert len(flow.nest.loops) == 1 and not flow.cfg.unresolved
+    assert not flow.bounds and flow.problems[0].kind is ProblemKind.LOOP

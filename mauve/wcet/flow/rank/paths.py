@@ -296,6 +296,7 @@ def _execute_block(program: Program, block: int, states: list[State]) -> Iterabl
             states = merged(program, states, None)
     last = instructions[-1]
     edges = [(index, program.cfg.edges[index]) for index in program.leaving.get(block, ())]
+    is_table = sum(edge.kind is not EdgeKind.FALL for _, edge in edges) > 1
     for state in states:
         if isinstance(last.flow, Next | SupervisorCall):
             for after in _step(program, last, state):
@@ -305,6 +306,7 @@ def _execute_block(program: Program, block: int, states: list[State]) -> Iterabl
         for index, edge in edges:
             taken = after_edge(program, last, index, edge, state)
             if taken is not None:
+                taken.vague |= is_table and edge.kind is not EdgeKind.FALL
                 yield index, taken
 
 
