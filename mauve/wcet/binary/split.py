@@ -9,11 +9,11 @@ splitting; Janssen and Corporaal, "Making graphs reducible with controlled node 
 
 from __future__ import annotations
 
-from collections.abc import Collection, Container, Iterator
+from collections.abc import Collection, Container, Iterator, Mapping
 from dataclasses import replace
 
 from mauve.wcet.binary.graph import EXIT, Block, Cfg, Edge
-from mauve.wcet.binary.loops import loop_nest, strong_components
+from mauve.wcet.binary.loops import strong_components
 from mauve.wcet.clock import Deadline, check
 
 GROWTH_LIMIT = 4.0
@@ -31,7 +31,7 @@ def split_irreducible(cfg: Cfg, growth: float = GROWTH_LIMIT, deadline: Deadline
     share its instructions; in a graph with copies, block ids no longer follow addresses. Raises OutOfTime."""
     allowed = max(_SMALL, int(growth * _size(cfg.blocks)))
     while True:
-        regions = loop_nest(cfg).irreducible
+        regions = _irregular(*_graph(cfg))
         before = cfg
         for region in regions:
             check(deadline, cfg.address, cfg.name)
@@ -51,6 +51,43 @@ def restricted(cfg: Cfg, edges: Container[int]) -> Cfg:
 
 def _size(blocks: tuple[Block, ...]) -> int:
     return sum(len(block.instructions) for block in blocks)
+
+
+def _graph(cfg: Cfg) -> tuple[dict[int, list[int]], set[int]]:
+    """The blocks behind each block, and where the function is entered."""
+    following: dict[int, list[int]] = {block.id: [] for block in cfg.blocks}
+    for edge in cfg.edges:
+        if edge.target != EXIT:
+            following[edge.source].append(edge.target)
+    return following, {cfg.entry}
+
+
+def _irregular(following: Mapping[int, Collection[int]], entries: Collection[int]) -> Iterator[frozenset[int]]:
+    """The outermost cycles that are entered in several places, of a graph that is entered at `entries`. Inside a cycle
+    with one entry, they are found without that."""
+    waiting = [(sorted(following), list[int]())]
+    while waiting:
+        order, before = waiting.pop()
+        number = {block: index for index, block in enumerate(order)}
+        inside = [[number[t] for t in following[block] if t in number] for block in order]
+        cycle_of: dict[int, int] = {}
+        cycles = [component for component in strong_components(inside, range(len(order))) if len(component) > 1]
+        for position, component in enumerate(cycles):
+            cycle_of |= {order[index]: position for index in component}
+        entered: list[set[int]] = [set() for _ in cycles]
+        for block in entries:
+            if block in cycle_of:
+                entered[cycle_of[block]].add(block)
+        for block in (*order, *before):
+            for target in following[block]:
+                if target in cycle_of and cycle_of.get(block) != cycle_of[target]:
+                    entered[cycle_of[target]].add(target)
+        for component, heads in zip(cycles, entered, strict=True):
+            cycle = {order[index] for index in component}
+            if len(heads) > 1:
+                yield frozenset(cycle)
+            elif heads:
+                waiting.append((sorted(cycle - heads), list(heads)))
 
 
 class _Region:
@@ -108,23 +145,14 @@ class _Region:
                 work += self._following[block]
         return frozenset(seen)
 
-    def _left(self, header: int, copied: frozenset[int]) -> Iterator[list[int]]:
-        """The cycles that do not pass the header and will be entered in several places, among the blocks and among the
+    def _left(self, header: int, copied: frozenset[int]) -> Iterator[frozenset[int]]:
+        """The cycles that will be entered in several places, without the header: among the blocks and among the
         copies."""
-        order = sorted(self._blocks - {header})
-        number = {block: index for index, block in enumerate(order)}
-        following = [[number[t] for t in self._following[block] if t != header] for block in order]
-        for component in strong_components(following, range(len(order))):
-            if len(component) == 1:
-                continue
-            cycle = {order[index] for index in component}
-            outside = {b for b in cycle if any(source not in cycle for source in self._before[b])}
-            if len(outside) > 1:
-                yield list(cycle)
-            if cycle <= copied:
-                inside = {b for b in cycle if any(s in copied and s not in cycle for s in self._before[b])}
-                if len(inside | (self._entries & cycle)) > 1:
-                    yield list(cycle)
+        others = {block: [t for t in targets if t != header] for block, targets in self._following.items()}
+        del others[header]
+        yield from _irregular(others, {t for t in self._following[header] if t != header})
+        copies = {block: [t for t in others[block] if t in copied] for block in copied}
+        yield from _irregular(copies, self._entries - {header})
 
 
 def _copy(cfg: Cfg, region: frozenset[int], copied: frozenset[int]) -> Cfg:
