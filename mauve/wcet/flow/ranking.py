@@ -41,6 +41,7 @@ from mauve.wcet.flow.rank.paths import (
     summarise_loop,
 )
 from mauve.wcet.flow.rank.problem import MOST, Problem, pose
+from mauve.wcet.flow.rank.roots import roots
 from mauve.wcet.flow.rank.shapes import bits_cleared, remainders, wide_shift
 from mauve.wcet.flow.rank.terms import Atom, Ranges, Var, meet, static_range
 from mauve.wcet.flow.rank.walks import walk
@@ -74,6 +75,7 @@ _ARGUMENTS: tuple[tuple[str, Callable[[Problem], int | None]], ...] = (
     ("bits cleared", bits_cleared),
     ("Euclid's algorithm", remainders),
     ("64-bit shift", wide_shift),
+    ("Newton's method", roots),
     ("intervals of the passes", iterate),
 )
 

@@ -91,7 +91,50 @@ int above(int place)
     return n;
 }
 
+/* Roots by Newton's method, in three shapes. */
+unsigned falls(unsigned n)
+{
+    unsigned x, y = n;
+    do {
+        x = y;
+        y = (x + n / x) / 2;
+    } while (y < x);
+    return x;
+}
+
+unsigned guessed(unsigned n, unsigned y)
+{
+    unsigned x = n;
+    while (y < x) {
+        x = y;
+        y = (x + n / x) / 2;
+    }
+    return x;
+}
+
+unsigned meets(unsigned n, unsigned y)
+{
+    unsigned x = n;
+    while (x > y) {
+        x = (x + y) / 2;
+        y = n / x;
+    }
+    return x;
+}
+
+/* Not a root: what is divided changes. */
+unsigned drifts(unsigned n, unsigned y)
+{
+    unsigned x = n, k = 0;
+    while (y < x && k < 99) {
+        x = y;
+        y = (x + n / x) / 2;
+        n += k++;
+    }
+    return x;
+}
+
 int main(void)
 {
-    return trailing(4) + normal(4) + halves(4) + leaves(4) + common(4, 6) + (int)divisor(4, 6) + refill(0, 9) + above(9);
+    return (int)(falls(9) + guessed(9, 2) + meets(9, 1) + drifts(9, 2)) + trailing(4) + normal(4) + halves(4) + leaves(4) + common(4, 6) + (int)divisor(4, 6) + refill(0, 9) + above(9);
 }
