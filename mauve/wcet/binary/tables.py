@@ -41,15 +41,16 @@ def evaluate(terms: Terms, below: Iterable[int], given: dict[int, int], binary: 
 
 def _tables(
     terms: Terms, term: int, below: Sequence[int], fixed: dict[int, int], binary: Binary
-) -> Iterator[tuple[int, Iterator[tuple[int, int]]]]:
+) -> Iterator[tuple[int, Iterator[tuple[int, int] | None]]]:
     """The tables that a jump to the term may read: their addresses, with the places of entries and where those lead.
-    Looks for terms such that their values 0, 1, 2, ... read entries one behind the other."""
+    Looks for terms such that their values 0, 1, 2, ... read entries one behind the other; None where they do not go
+    on so: then that is no index."""
     loads = [number for number in below if terms.table[number][0] == "load" and number not in fixed]
     if not loads:
         return
     load = max(loads)  # of several the others are parts of its address
     size, where = terms.table[load][2], terms.below(terms.table[load][1])
-    for number in where:
+    for number in reversed(where):
         if terms.value(number) is not None or number in fixed:
             continue
         start, second = (evaluate(terms, where, {**fixed, number: index}, binary) for index in (0, 1))
@@ -64,12 +65,14 @@ def _entries(
     table: tuple[int, int, int],
     fixed: dict[int, int],
     binary: Binary,
-) -> Iterator[tuple[int, int]]:
+) -> Iterator[tuple[int, int] | None]:
     start, size, number = table
     for index in range(MOST_ENTRIES):
         given = {**fixed, number: index}
         at, target = (evaluate(terms, part, given, binary) for part in (where, below))
-        if at != start + size * index or target is None:
+        if at != start + size * index:
+            yield None
+        if at is None or target is None:
             return
         yield at, target
 
@@ -93,7 +96,11 @@ def inline_table(
         targets: set[int] = set()
         content = binary.content_at(start)
         nearest: int | None = None
-        for at, target in entries:
+        for entry in entries:
+            if entry is None:
+                targets.clear()
+                break
+            at, target = entry
             if nearest is not None and at + size > nearest:
                 break
             if binary.content_at(at) is not content or any(taken(byte) for byte in range(at, at + size)):
@@ -118,7 +125,11 @@ def open_table(
     for start, entries in _tables(terms, term, below, fixed, binary):
         named = next((s for s in binary.objects if s.address <= start < s.address + s.size), None)
         targets: set[int] = set()
-        for at, target in entries:
+        for one in entries:
+            if one is None:
+                targets.clear()
+                break
+            at, target = one
             if (named is not None and at >= named.address + named.size) or not belongs(target, own, binary):
                 break
             targets.add(target)

@@ -135,3 +135,12 @@ def test_a_jump_to_what_memory_holds_decides_by_what_is_not_known() -> None:
     (flow,) = program.functions.values()
     assert len(flow.nest.loops) == 1 and not flow.cfg.unresolved
     assert not flow.bounds and flow.problems[0].kind is ProblemKind.LOOP
+
+
+def test_an_index_goes_up_by_one() -> None:
+    """and r0, r0, #255; clz r3, r0; rsb r3, r3, #32; ldr pc, [pc, r3, lsl #2]: 0, 1, 2, 2 for r0 = 0 to 3 is no
+    index, the result of rsb is."""
+    code = [0xE200_00FF, 0xE16F_3F10, 0xE263_3020, 0xE79F_F103, 0xE1A0_0000]
+    table = [START + 4 * place for place in (10, 11, 12, 13, 14)]
+    cfg = _cfg([*code, *table, *[0xE12F_FF1E] * 5])
+    assert not cfg.unresolved and _switched(cfg) == set(table)
