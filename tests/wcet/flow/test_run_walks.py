@@ -13,6 +13,7 @@ from mauve.wcet.flow.facts import AssumeFact, AtSymbol
 from mauve.wcet.flow.program import RAN, Programs
 from mauve.wcet.flow.result import ProgramFlow
 from mauve.wcet.flow.run import machine, program
+from mauve.wcet.flow.run.census import Measure, rank
 from tests.emulator import Emulator
 from tests.wcet.soundness.replay import Replay, record
 
@@ -88,6 +89,30 @@ def test_lists_and_pointers_that_move_with_a_count_have_bounds_all_values_at_onc
     assert not flow.problems and not any(found.problems for found in flow.functions.values())
     assert not replayed("cortex-m3-O2", function, flow).wrong
     assert all(bound.bound <= 40 for found in flow.functions.values() for bound in found.bounds.values())
+
+
+def test_words_that_move_in_turn_have_a_bound(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(machine, "UNHURRIED", 1 << 40)
+    binary = image("cortex-m3-O2")
+    facts = (INPUTS[0], AssumeFact(AtSymbol("length"), 23, 24, 1))
+    flow = Programs(binary, facts, initial_data=True).program(binary.function("nested").key)
+    (mine,) = flow.functions.values()
+    assert not mine.problems and mine.bounds and all(bound.bound <= 25 * 13 for bound in mine.bounds.values())
+
+
+def test_ways_of_a_loop_are_ranked_one_word_after_the_other() -> None:
+    counter, depth = Measure(10, ((-1, -1), (0, 0), (-2, -1))), Measure(4, ((0, 4), (-1, -1), (0, 0)))
+    every = frozenset(range(3))
+    assert rank((counter,), every) is None
+    assert rank((counter, depth), every) == 10 + 11 * 4
+    assert rank((counter,), frozenset((0, 2))) == 10
+    assert rank((counter.turned(),), frozenset((0, 2))) == 10
+    taking = Measure(8, ((-1, -1), (0, 0))), Measure(5, ((1, 1), (-1, -1)))
+    assert rank(taking, frozenset((0, 1))) == 8 + 9 * 5
+    meeting = Measure(20, ((3, 3), (-1, -1))), Measure(30, ((-4, -4), (0, 0)))
+    assert rank(meeting, frozenset((0, 1))) == 7 + 8 * 20
+    assert rank((Measure(9, ((1, 1), (-1, -1))), Measure(9, ((1, 2), (0, 0)))), frozenset((0, 1))) == 9 + 10 * 9
+    assert rank((Measure(9, ((1, 1), (-2, -2))), Measure(9, ((-2, -2), (1, 1)))), frozenset((0, 1))) == 18
 
 
 @pytest.mark.parametrize("function", ["split", "measure"])

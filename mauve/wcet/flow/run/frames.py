@@ -9,6 +9,7 @@ from mauve.wcet.binary.graph import EXIT, Cfg, EdgeKind
 from mauve.wcet.binary.loops import LoopNest
 from mauve.wcet.flow.locations import Helper
 from mauve.wcet.flow.order import FUNCTION, Order
+from mauve.wcet.flow.run.census import Census
 from mauve.wcet.flow.run.compared import Compared, compared_in
 from mauve.wcet.flow.run.compile import Compiled, Sites, compile_function
 from mauve.wcet.flow.run.live import dead_registers
@@ -74,6 +75,8 @@ class Function:
     """loops that were found to go on for as long as unknown values say"""
     limits: dict[int, int | None] = field(default_factory=dict)
     """bounds of loops that are proven whatever the function is called with, as far as they were asked for"""
+    unmeasured: set[int] = field(default_factory=set)
+    """loops of which a census told nothing"""
 
 
 @dataclass(slots=True)
@@ -82,7 +85,8 @@ class Frame:
     None: anywhere); the paths that wait, by place. `ended` are the counters of paths that do not come back, `open` how
     often unknown values did not end each loop since it was entered, `kept` an earlier iteration of each such loop.
     `endless` are the loops that go on for as long as unknown values say, `proven` those of them with a bound all the
-    same, `loose` those with counts that say nothing; `limits` are bounds that hold for its arguments.
+    same, `loose` those with counts that say nothing; `limits` are bounds that hold for its arguments;
+    `census` is of a loop of which each way is followed apart.
     """
 
     function: Function
@@ -96,6 +100,7 @@ class Frame:
     endless: set[int] = field(default_factory=set)
     proven: dict[int, int] = field(default_factory=dict)
     limits: dict[int, int] = field(default_factory=dict)
+    census: Census | None = None
     loose: set[int] = field(default_factory=set)
 
 

@@ -6,6 +6,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from mauve.wcet.binary.graph import EXIT
+from mauve.wcet.flow.run.census import census
 from mauve.wcet.flow.run.frames import Frame, Impossible
 from mauve.wcet.flow.run.layers import Layer, release
 from mauve.wcet.flow.run.measure import iterations
@@ -19,6 +20,8 @@ if TYPE_CHECKING:
 LOOKING, ASKING, PATIENCE, FEW = 24, 400, 3_000, 40
 """Iterations of a loop that unknown values do not end: after so many it is compared with earlier ones, then a proof of
 its bound is asked for, and then (after few, for one that was found to go on before) all values are followed at once."""
+LOOSE = 1 << 12
+"""Iterations that a proof allows for, and still the ways of the loop are followed apart."""
 SOON, UNROLLED = 2, 60_000
 """The same when time runs short: iterations of a loop in which all values were followed at once before, and the work
 for others."""
@@ -40,6 +43,9 @@ def arrive(machine: Machine, frame: Frame, block: int) -> int:
         return block
     _forget(machine, frame, block)
     memory, compared, since, rounds = machine.memory, frame.function.compared, machine.steps, 0
+    if frame.census is not None and frame.census.loop == loop:
+        frame.census.note(memory, Path(block, machine.registers, memory.layer, frame.now))
+        raise Impossible
     places = list(compared.places)
     kept = frame.kept.get(loop)
     path = Path(block, machine.registers, memory.layer, frame.now)
@@ -48,8 +54,9 @@ def arrive(machine: Machine, frame: Frame, block: int) -> int:
         wide = _is_long(machine, frame, loop, kept)
         # Where less and less remains possible, an end may come.
         if includes(memory, kept, path) and (wide or not is_less(memory, kept, path)):
-            _goes_on(machine, frame, loop, kept, path)
-            raise Impossible
+            if not _goes_on(machine, frame, loop, kept, path):
+                raise Impossible
+            return block
         if wide:
             path = widen(memory, kept, path, compared, starts_of(frame, block, loop))
             rounds = kept.rounds + 1
@@ -84,18 +91,52 @@ def _is_long(machine: Machine, frame: Frame, loop: int, kept: Kept) -> bool:
     return count > (FEW if again else PATIENCE)
 
 
-def _goes_on(machine: Machine, frame: Frame, loop: int, kept: Kept, path: Path) -> None:
-    """Nothing new comes of further iterations of a loop."""
+def _goes_on(machine: Machine, frame: Frame, loop: int, kept: Kept, path: Path) -> bool:
+    """Nothing new comes of further iterations of a loop. Whether its ways are followed apart now, to bound it."""
+    function = frame.function
     frame.loose.add(loop)
-    frame.function.endless.add(loop)
+    function.endless.add(loop)
+    if frame.census is not None and function.nest.loops[loop].blocks < frame.census.blocks:
+        return False
     before = kept.path.counters.current[loop]
     apart = path.counters.current[loop] - before
-    more = iterations(machine.memory, kept, path, frame.function, loop, apart)
+    more = iterations(machine.memory, kept, path, function, loop, apart)
     limit = machine.limit_of(frame, loop) if more is None else before + more
+    may_gain = (limit is None or limit > LOOSE) and loop not in function.unmeasured and loop not in frame.endless
+    if may_gain and apart == 1:
+        _follow_ways(machine, frame, loop, kept, limit)
+    else:
+        _settle(frame, loop, limit)
+    return may_gain and apart == 1
+
+
+def _settle(frame: Frame, loop: int, limit: int | None) -> None:
+    """A loop that goes on and on has a bound, or none."""
     if limit is None:
         frame.endless.add(loop)
     else:
         frame.proven[loop] = max(limit, frame.proven.get(loop, 0))
 
 
-__all__ = ["ASKING", "arrive", "starts_of"]
+def _follow_ways(machine: Machine, frame: Frame, loop: int, kept: Kept, limit: int | None) -> None:
+    """Begin one more iteration of a loop, from the path that covers all, on which its ways are followed apart."""
+    end_census(frame)
+    function, path = frame.function, kept.path
+    blocks = function.nest.loops[loop].blocks
+    frame.census = census(machine.memory, kept, loop, blocks, function.compared.pairs, limit)
+    release(machine.memory.layer)
+    machine.take(frame, Path(path.block, path.registers[:], Layer(path.layer), path.counters.copy()))
+
+
+def end_census(frame: Frame) -> None:
+    """All ways of a loop that were followed apart have come to their ends."""
+    found, frame.census = frame.census, None
+    if found is None:
+        return
+    limit = found.limit_now()
+    if limit is None or limit == found.limit:
+        frame.function.unmeasured.add(found.loop)
+    _settle(frame, found.loop, limit)
+
+
+__all__ = ["ASKING", "arrive", "end_census", "starts_of"]

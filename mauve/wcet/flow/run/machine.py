@@ -33,7 +33,7 @@ from mauve.wcet.flow.run.frames import (
 )
 from mauve.wcet.flow.run.layers import Layer, branch, release
 from mauve.wcet.flow.run.learn import learn
-from mauve.wcet.flow.run.long_loops import ASKING, arrive, starts_of
+from mauve.wcet.flow.run.long_loops import ASKING, arrive, end_census, starts_of
 from mauve.wcet.flow.run.memory import Lost, Memory
 from mauve.wcet.flow.run.narrow import Told, told, within
 from mauve.wcet.flow.run.paths import Counters, Meeting, Path
@@ -210,6 +210,7 @@ class Machine:
             registers, counts = self.registers, frame.now.counts
         if frame.ended is not None:
             frame.now.join(frame.ended)
+        end_census(frame)
         for loop, limit in frame.proven.items():
             frame.now.most[loop] = max(frame.now.most[loop], limit)
 
@@ -242,6 +243,8 @@ class Machine:
             self._repeat(frame, loop)
         now.counts[index] += 1
         for loop in function.starts.get(index, ()):
+            if frame.census is not None and frame.census.loop == loop:
+                end_census(frame)
             now.current[loop] = 1
             now.most[loop] = max(now.most[loop], 1)
             frame.open[loop] = 0
@@ -380,6 +383,8 @@ class Machine:
         for where, loop in loops:
             place += (where, frame.now.current[loop])
         place.append(last)
+        if frame.census is not None and block in frame.census.blocks:
+            place.append(frame.now.trail)
         return tuple(place)
 
     def _meet(self, frame: Frame, block: int) -> int:
@@ -467,6 +472,7 @@ class Machine:
                     continue
                 found, related = alone + apart[0], apart[1]
             self.registers, frame.now = start[:], now.copy()
+            self._part(frame, block)
             self.memory.enter(branch(layer))
             self.registers[RELATED] = related
             learn(self.registers, self.memory, found)
@@ -480,6 +486,7 @@ class Machine:
             if flags is not None and told(flags, code, answer != negated) is None:
                 continue
             self.registers, frame.now = start[:], now.copy()
+            self._part(frame, block)
             self.registers[ASSUMED] = {**(start[ASSUMED] or {}), number: answer}
             self.memory.enter(branch(layer))
             try:
@@ -493,6 +500,12 @@ class Machine:
             else:
                 self._wait(frame, arrived, self._place(frame, arrived))
         release(layer)
+
+    def _part(self, frame: Frame, block: int) -> None:
+        """Give a way a trail of its own where paths part in a loop of which each way is followed apart."""
+        around = frame.function.around[block][0]
+        if frame.census is not None and around and around[-1][1] == frame.census.loop:
+            frame.now.trail = frame.census.next_trail()
 
     def _try(self, frame: Frame, block: int, way: Way, ways: list[Way]) -> list[Way]:
         """Go one way on from a block, to where the path waits; ways that turn out to be open instead."""

@@ -20,16 +20,18 @@ from mauve.wcet.flow.run.words import MASK, Ranged, Some, Stack, Stacks, Word, m
 @dataclass(slots=True)
 class Counters:
     """What an execution of a function has done so far, at most: how often each edge was passed, the executions of each
-    loop's header since it was entered and the most of them, what was called on each edge."""
+    loop's header since it was entered and the most of them, what was called on each edge; the `trail` is a way through
+    a loop that is followed apart from others."""
 
     counts: list[int]
     current: list[int]
     most: list[int]
     calls: dict[int, frozenset[int]]
+    trail: int = 0
 
     def copy(self) -> Counters:
         """The same, to go on with apart."""
-        return Counters(self.counts.copy(), self.current.copy(), self.most.copy(), self.calls.copy())
+        return Counters(self.counts.copy(), self.current.copy(), self.most.copy(), self.calls.copy(), self.trail)
 
     def join(self, other: Counters) -> None:
         """Cover another path as well."""

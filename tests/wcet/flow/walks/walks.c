@@ -103,7 +103,26 @@ int records(void)
     return found;
 }
 
+/* Brackets open and close: two words move in turn. */
+int nested(void)
+{
+    const uint8_t *p = text, *end = text + length;
+    unsigned depth = 0, closed = 0;
+    while (p != end || depth) {
+        if (p != end && *p == '(' && depth < 8) {
+            depth++;
+            p++;
+        } else if (depth) {
+            depth--;
+            closed++;
+        } else {
+            p++;
+        }
+    }
+    return (int)closed;
+}
+
 int main(void)
 {
-    return split() + measure() + reverse() + sort() + find() + drain() + records();
+    return split() + measure() + reverse() + sort() + find() + drain() + records() + nested();
 }
