@@ -29,6 +29,8 @@ from mauve.wcet.binary.microop import (
     Next,
     Op,
     Operand,
+    SetCarry,
+    SetFlags,
     Store,
     StoreUnknown,
     SupervisorCall,
@@ -157,11 +159,16 @@ class Constants:
                 return False
             address = work.pop()
             values = self._starts[address].copy()
+            guard, skipped = Condition.AL, values  # what is known where a condition does not hold since it was asked
             while (instruction := self._instructions.get(address)) is not None:
-                passed = values  # where a conditional branch is not taken
-                if not isinstance(instruction.flow, Next) and instruction.condition is not Condition.AL:
-                    passed = values.copy()
+                if instruction.condition not in (Condition.AL, guard):
+                    guard, skipped = instruction.condition, values.copy()
+                passed = skipped if instruction.condition is guard else values
                 self._pass(instruction, values, goes=True)
+                if guard is not Condition.AL and instruction.condition is Condition.AL:
+                    self._pass(instruction, skipped)
+                if any(isinstance(op, SetFlags | SetCarry) for op in instruction.ops):
+                    guard = Condition.AL
                 ways = list(self._after.get(address, ()))
                 if isinstance(instruction.flow, Next | SupervisorCall):
                     if instruction.end not in self._leaders:
