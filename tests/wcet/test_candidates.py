@@ -2,14 +2,20 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 
+from mauve.wcet.binary.cfg import build_cfg
+from mauve.wcet.binary.graph import Unresolved, UnresolvedKind
+from mauve.wcet.binary.loops import LoopNest
 from mauve.wcet.flow import candidates
 from mauve.wcet.flow.facts import AtAddress, AtSymbol, ControlFact, ControlKind
 from mauve.wcet.flow.program import Programs
+from mauve.wcet.flow.result import FunctionFlow
 from mauve.wcet.hardware.board import Board
 from mauve.wcet.hardware.core import load_core
-from mauve.wcet.ipet.bottom_up import bound_program, calls_of
+from mauve.wcet.ipet.bottom_up import bound_program, calls_of, unresolved
 from mauve.wcet.result import ProblemKind
 from tests.wcet.programs import image
 
@@ -53,3 +59,13 @@ def test_too_many_candidates_are_only_counted(monkeypatch: pytest.MonkeyPatch) -
     program = Programs(binary).program(binary.function("call_through_pointer").key)  # type: ignore[union-attr]
     (flow,) = program.functions.values()
     assert flow.problems[0].message.endswith(" functions, too many to look at") and not flow.problems[0].suggestions
+
+
+def test_every_kind_of_hole_is_a_problem() -> None:
+    binary = image("arm7tdmi-arm-O2.elf")
+    cfg = build_cfg(binary, binary.function("switch_wide").key)  # type: ignore[union-attr]
+    for kind in UnresolvedKind:
+        hole = Unresolved(cfg.address, kind, "a hole")
+        flow = FunctionFlow(replace(cfg, unresolved=(hole,)), LoopNest(()), {}, frozenset(), {}, {})
+        (problem,) = unresolved(flow)
+        assert (problem.message, problem.address) == ("a hole", cfg.address)
