@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from mauve.wcet.analysis import analyse
-from mauve.wcet.flow.facts import AtLine, AtSymbol, Counting, Fact, LoopFact, RecursionFact
+from mauve.wcet.flow.facts import Argument, AssumeFact, AtLine, AtSymbol, Counting, Fact, LoopFact, RecursionFact
 from mauve.wcet.hardware.board import Board
 from mauve.wcet.result import ProblemKind, WcetResult
 from tests.wcet.reference import Tracer, bus_cycles
@@ -42,6 +42,14 @@ def test_known_arguments_lead_to_the_end_of_a_recursion(function: str, exact: bo
     # A multiplication takes its longest time.
     assert longest <= result.cycles <= longest * (1 if exact else 2)
     assert result.stack is not None and result.stack > 0
+
+
+@pytest.mark.parametrize(("function", "most"), [("factorial", 12), ("fibonacci", 9)])
+def test_arguments_in_a_range_lead_to_the_end_of_a_recursion(function: str, most: int) -> None:
+    """Each call has fewer numbers left than the one that made it."""
+    result = bound(function, AssumeFact(Argument(function, 1), 0, most))
+    assert result.cycles is not None and result.stack is not None
+    assert max(executed(function, number) for number in (0, 1, 2, most)) <= result.cycles
 
 
 @pytest.mark.parametrize(("function", "arguments", "depth"), [("factorial", (6,), 6), ("fibonacci", (7,), 7)])

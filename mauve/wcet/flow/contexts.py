@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 from mauve.wcet.flow import effects, joining
 from mauve.wcet.flow.analysed import Analysed, Name
 from mauve.wcet.flow.effects import ARGUMENTS
+from mauve.wcet.flow.linear import FRAME
 from mauve.wcet.flow.state import State
 
 if TYPE_CHECKING:
@@ -96,6 +97,7 @@ class Contexts:
         self, key: int, state: State, depth: int, family: Family, caller: tuple[int, State]
     ) -> int | Analysed:
         """The context of a callee for an entry state, or its key where it is not worth one of its own."""
+        state = self._as_far_as_read(key, state)
         name = (key, effects.fingerprint(state))
         mine = family.asked.setdefault(key, {})
         known = mine.get(name)
@@ -117,13 +119,29 @@ class Contexts:
         family.enter(known)
         return known
 
+    def _as_far_as_read(self, key: int, state: State) -> State:
+        """The entry state without the caller's frame, where the function does not look at it: it tells contexts apart
+        that are the same."""
+        quick = self._functions.quick.get(key)
+        if FRAME not in state.memory or quick is None or quick.targets is None:
+            return state
+        if any(region == FRAME and high >= 0 for region, _, high in quick.places.values()):
+            return state
+        state = state.copy()
+        state.memory.pop(FRAME)
+        return state
+
     def _advances(self, key: int, state: State, caller: tuple[int, State]) -> bool:
         """Whether a call on a cycle of calls, with known arguments, comes nearer to its end as far as one can see: some
-        argument is another number than the caller's was."""
-        numbers = [(state.constant_of(state.regs[r]), caller[1].constant_of(caller[1].regs[r])) for r in ARGUMENTS]
+        argument is another number than the caller's was, or has fewer values left."""
+        mine = [state.range_of(state.regs[r]) for r in ARGUMENTS]
         if caller[0] not in self._functions.cyclic:
-            return any(mine is not None for mine, _ in numbers)
-        return any(mine is not None and other is not None and mine != other for mine, other in numbers)
+            return any(values.size <= MOST_CALLS for values in mine)
+        others = [caller[1].range_of(caller[1].regs[r]) for r in ARGUMENTS]
+        return any(
+            values.size <= MOST_CALLS and (values.size < other.size or (values.n == other.n == 0 and values != other))
+            for values, other in zip(mine, others, strict=True)
+        )
 
     def _promising(self, key: int, state: State, depth: int, family: Family, caller: tuple[int, State]) -> bool:
         """Whether one more context of a function is worth its time."""

@@ -128,13 +128,13 @@ class Programs:
         ran = self._run(entry_key, self._first_run(deadline)) if self._initial_data else None
         if ran is not None and not _open(ran):
             return ran
-        cut_short = monotonic() - started > FIRST_RUN / 2
+        short = bool(self._given.assumed.memory) and (ran is None or monotonic() - started > FIRST_RUN / 4)
         try:
             analysed = self.without_run(entry_key, deadline, timeout)
         except OutOfTime as reason:
             return self._unfinished(entry_key, reason, timeout) if ran is None else ran
-        if _open(analysed) if not self._initial_data else cut_short and _may_gain(analysed, ran):
-            ran = _of_both(self._run(entry_key, _share(deadline)), ran)
+        if _open(analysed) if not self._initial_data else short and _may_gain(analysed, ran):
+            ran = _of_both(self._run(entry_key, _share(deadline, LAST_RUN)), ran)
         if ran is None:
             return analysed
         ran, analysed = better(ran, analysed), better(analysed, ran)
@@ -146,7 +146,7 @@ class Programs:
         if not self._given.assumed.memory:
             return deadline
         first = monotonic() + FIRST_RUN
-        share = _share(deadline)
+        share = _share(deadline, FOR_RUNS)
         return first if share is None else min(first, share)
 
     def without_run(self, entry_key: int, deadline: float | None = None, timeout: float | None = None) -> ProgramFlow:
@@ -466,10 +466,10 @@ def out_of_time(name: str, address: int, reason: OutOfTime, timeout: float | Non
     return Problem(ProblemKind.LIMIT, f"the analysis of {name} takes longer than {allowed}{where}", at, reason.function)
 
 
-def _share(deadline: float | None) -> float | None:
+def _share(deadline: float | None, part: int) -> float | None:
     """When a run with unknown data ends: the analysis without one needs time as well."""
     now = monotonic()
-    return None if deadline is None else now + (deadline - now) / FOR_RUNS
+    return None if deadline is None else now + (deadline - now) / part
 
 
 def _may_gain(analysed: ProgramFlow, ran: ProgramFlow | None) -> bool:
@@ -522,8 +522,9 @@ FIRST_RUN = 3.0
 """Seconds of a first run with unknown data."""
 OF_TYPES = frozenset(2**width + more for width in (7, 8, 15, 16) for more in (-1, 0, 1))
 """Bounds that may only say how wide a type is."""
-FOR_RUNS = 3
-"""A run with unknown data gets at most one part in so many of the time."""
+FOR_RUNS, LAST_RUN = 3, 2
+"""A run with unknown data gets at most one part in so many of the time that is left, the last one of that after all
+other analyses."""
 RUNS = 16
 """How often a run starts again with the targets of pointers that it came to."""
 
