@@ -37,7 +37,7 @@ from mauve.wcet.hardware.board import Board
 from mauve.wcet.result import Problem, ProblemKind
 
 if TYPE_CHECKING:
-    from mauve.wcet.flow.run.memory import Given as Start
+    from mauve.wcet.flow.run.content import Given as Start
     from mauve.wcet.flow.run.program import Ran
 
 ASSUMPTIONS = (
@@ -196,7 +196,7 @@ class Programs:
 
     def _run(self, entry: int, until: float | None) -> ProgramFlow | None:
         """The program executed from its linked data, or from any; None where that did not come to its end in time."""
-        from mauve.wcet.flow.run.memory import Given as Start
+        from mauve.wcet.flow.run.content import Given as Start
         from mauve.wcet.flow.run.program import STEPS, Source, run_program
 
         assumed = self._given.assumed
@@ -228,7 +228,7 @@ class Programs:
 
     def _anything(self, given: Sequence[Start]) -> list[Start]:
         """The data that a codel may find in any state: all that can be written and is not `given`."""
-        from mauve.wcet.flow.run.memory import Given as Start
+        from mauve.wcet.flow.run.content import Given as Start
 
         found = []
         for segment in self._binary.segments:

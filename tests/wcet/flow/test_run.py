@@ -18,8 +18,9 @@ from mauve.wcet.flow.domain import TOP
 from mauve.wcet.flow.program import Programs
 from mauve.wcet.flow.result import FunctionFlow, ProgramFlow
 from mauve.wcet.flow.run import flags, words
+from mauve.wcet.flow.run.covering import merge
 from mauve.wcet.flow.run.memory import Lost, Memory
-from mauve.wcet.flow.run.words import MASK, UNKNOWN, Low, Some, Stack, Undecided, merge, range_of
+from mauve.wcet.flow.run.words import MASK, UNKNOWN, Low, Some, Stack, Undecided, range_of
 from mauve.wcet.hardware.board import Board
 from mauve.wcet.hardware.core import load_core
 from mauve.wcet.ipet.bottom_up import bound_program

@@ -16,10 +16,11 @@ from mauve.wcet.binary.elf import Binary, Segment, load
 from mauve.wcet.flow import domain
 from mauve.wcet.flow.run.compared import Compared, Register
 from mauve.wcet.flow.run.compile import RELATED
+from mauve.wcet.flow.run.content import Given
 from mauve.wcet.flow.run.flags import CS, EQ, GE, GT, HI, Flags, Source
 from mauve.wcet.flow.run.layers import branch, release
 from mauve.wcet.flow.run.learn import learn
-from mauve.wcet.flow.run.memory import Given, Lost, Memory
+from mauve.wcet.flow.run.memory import Lost, Memory
 from mauve.wcet.flow.run.narrow import told, within
 from mauve.wcet.flow.run.paths import Counters, Meeting
 from mauve.wcet.flow.run.paths import Path as Way

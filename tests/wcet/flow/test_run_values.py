@@ -14,12 +14,14 @@ from mauve.wcet.binary.microop import Op
 from mauve.wcet.flow import domain
 from mauve.wcet.flow.domain import MASK, Range
 from mauve.wcet.flow.run import flags, operations
+from mauve.wcet.flow.run.content import Given
+from mauve.wcet.flow.run.covering import covers, merge, widened
 from mauve.wcet.flow.run.layers import branch
-from mauve.wcet.flow.run.memory import Given, Memory
+from mauve.wcet.flow.run.memory import Memory
 from mauve.wcet.flow.run.narrow import sides, told
 from mauve.wcet.flow.run.paths import Counters, Meeting
 from mauve.wcet.flow.run.paths import Path as Way
-from mauve.wcet.flow.run.words import Some, Stack, Undecided, Word, covers, made, merge, range_of, widened
+from mauve.wcet.flow.run.words import Some, Stack, Undecided, Word, made, range_of
 
 WHOLE = Path(__file__).parent / "whole"
 words = st.integers(0, MASK) | st.integers(0, 40) | st.integers(MASK - 40, MASK) | st.integers(0x7FFF_FFF0, 0x8000_0010)
@@ -74,8 +76,9 @@ def test_what_a_branch_tells_holds_for_the_numbers(
 ) -> None:
     """A decided condition is that of the numbers, and narrowing keeps them."""
     if kind == "a - b":
-        known, asked = flags.of_difference(a[0], b[0]), flags.Flags(
-            flags.Source.DIFFERENCE, a[1], b[1], (a[1] - b[1]) & MASK
+        known, asked = (
+            flags.of_difference(a[0], b[0]),
+            flags.Flags(flags.Source.DIFFERENCE, a[1], b[1], (a[1] - b[1]) & MASK),
         )
     elif kind == "a + b":
         known, asked = flags.of_sum(a[0], b[0]), flags.Flags(flags.Source.SUM, a[1], b[1], (a[1] + b[1]) & MASK)

@@ -36,7 +36,7 @@ from mauve.wcet.binary.microop import (
 )
 from mauve.wcet.binary.microop import Shift as ShiftKind
 from mauve.wcet.flow.order import Order
-from mauve.wcet.flow.run import flags, floating, media, narrow, operations, words
+from mauve.wcet.flow.run import covering, flags, floating, media, narrow, operations, words
 from mauve.wcet.flow.run.flag_use import (
     CV,
     NZ,
@@ -122,7 +122,7 @@ def compile_function(order: Order, sites: Sites) -> Compiled:
     names: dict[str, Any] = {
         "UNKNOWN": words.UNKNOWN,
         "Undecided": words.Undecided,
-        "merge": words.merge,
+        "merge": covering.merge,
         "Stack": words.Stack,
         "Stacks": words.Stacks,
         "Lost": Lost,

@@ -8,6 +8,7 @@ from mauve.wcet.binary.microop import Op
 from mauve.wcet.flow import domain
 from mauve.wcet.flow.domain import TOP, Range
 from mauve.wcet.flow.run.cells import Shared, byte_of, half_in, made_of, mates_at, parts_of, together, values_of
+from mauve.wcet.flow.run.covering import covers, merge
 from mauve.wcet.flow.run.layers import (
     Cell,
     Half,
@@ -22,7 +23,7 @@ from mauve.wcet.flow.run.layers import (
     written,
 )
 from mauve.wcet.flow.run.memory import DATA_END, Memory
-from mauve.wcet.flow.run.words import WILD, Ranged, Some, Word, covers, merge, range_of
+from mauve.wcet.flow.run.words import WILD, Ranged, Some, Word, range_of
 
 Join = Callable[[Word, Word], Word]
 """One word for two: what was one word on both paths is one word afterwards."""

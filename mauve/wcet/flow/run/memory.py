@@ -7,16 +7,16 @@ stack.
 
 from __future__ import annotations
 
-from bisect import bisect_right
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
 
-from mauve.wcet.binary.elf import Binary, Segment
+from mauve.wcet.binary.elf import Binary
 from mauve.wcet.binary.microop import Op
 from mauve.wcet.flow import domain
 from mauve.wcet.flow.domain import BYTE, HALF, SIGNED_BYTE, SIGNED_HALF, TOP, Range
 from mauve.wcet.flow.run import several
 from mauve.wcet.flow.run.cells import ANY, Shared, byte, byte_of, half, joined, mates_at, parts_of, simple, together
+from mauve.wcet.flow.run.content import Content, Given
+from mauve.wcet.flow.run.covering import merge
 from mauve.wcet.flow.run.layers import Cell, Half, Layer, Part, lowest, put_where, settled
 from mauve.wcet.flow.run.operations import extend_byte, extend_half
 from mauve.wcet.flow.run.words import (
@@ -32,7 +32,6 @@ from mauve.wcet.flow.run.words import (
     fresh,
     is_wild,
     made,
-    merge,
     range_of,
 )
 
@@ -53,17 +52,6 @@ MOST_PLACES = 4096
 
 class Lost(Exception):
     """The run cannot go on: `args` say why."""
-
-
-@dataclass(frozen=True, slots=True)
-class Given:
-    """Memory from `start` up to but without `end` that does not start with what the binary holds: numbers of `width`
-    bytes out of a range, or any bytes where `width` is 0."""
-
-    start: int
-    end: int
-    width: int = 0
-    values: Range = BYTE
 
 
 class Memory:
@@ -87,21 +75,19 @@ class Memory:
         """the greatest offset from the first sp that was read since this was set back"""
         self.ends = tuple(end for one in binary.objects for end in (one.address, one.address + one.size) if one.size)
         """where the objects of the program begin and end"""
-        self._segments = sorted(binary.segments, key=lambda segment: segment.address)
-        self._starts = [segment.address for segment in self._segments]
+        self._segments = tuple(binary.segments)
         self._unaligned = unaligned
         self._ours: set[int] = set()
         """words that were found to be the program's to write"""
-        self._constants: dict[int, Cell] = {}
-        """words that cannot be written, as far as they were read"""
-        self._given = tuple(sorted(given, key=lambda one: one.start))
+        self._content = Content(binary.segments, given)
+        self._constants = self._content.constants
 
     def restart(self, given: Sequence[Given]) -> None:
         """Memory as a program starts with it."""
         self.layer = Layer(None)
         self.cells = self.layer.cells
-        self._constants = {}
-        self._given = tuple(sorted(given, key=lambda one: one.start))
+        self._content = Content(self._segments, given)
+        self._constants = self._content.constants
 
     def site(self) -> int:
         """A number for one more access."""
@@ -251,7 +237,7 @@ class Memory:
 
     def _elsewhere(self, key: int, size: int) -> bool:
         """Whether an access goes to a word that is in no segment, where anything may be read."""
-        return key < DATA_END and not key % size and not self._around(key & ~3)
+        return key < DATA_END and not key % size and not self._content.around(key & ~3)
 
     def _cells_at(self, places: Sequence[several.Group]) -> Iterator[tuple[Cell, tuple[int, ...]]]:
         """The cells of several words with the positions that count in them."""
@@ -371,7 +357,7 @@ class Memory:
             return [[base for base in bases if self._writable(base)]]
         found: list[Sequence[int]] = []
         start, step = bases[0], bases.step
-        for segment in self._segments:
+        for segment in self._content.segments:
             # Words of which any byte is in the segment; one that is in two of them may be written twice.
             first, behind = -((start + 3 - segment.address) // step), (segment.end - 1 - start) // step + 1
             part = bases[max(0, first) : max(0, behind)]
@@ -477,79 +463,29 @@ class Memory:
         if key >= DATA_END:
             lowest(layer).cells[key] = TOP
             return TOP
-        number = bisect_right(self._starts, key + 3) - 1
-        if number < 0:
+        cell = self._content.word(key)
+        if cell is None:
             self.vague += 1
             return fresh()
-        segment = self._segments[number]
-        if segment.address <= key and key + 4 <= segment.end:
-            data = segment.data[key - segment.address : key - segment.address + 4]
-            word = int.from_bytes(data.ljust(4, b"\0"), "little")
-            if not any(one.start < key + 4 and key < one.end for one in self._given):
-                if not segment.writable:
-                    self._constants[key] = word
-                return word
-            parts: list[Part] = [word >> 8 * i & 0xFF for i in range(4)]
-        else:
-            parts = [self._initial_byte(key + i) for i in range(4)]
-            self.vague += any(part is UNKNOWN for part in parts)
-            if all(part is UNKNOWN for part in parts):
-                return fresh()
-        cell = self._as_given(key, parts)
         if type(cell) is not int:
+            self.vague += isinstance(cell, list) and any(part is UNKNOWN for part in cell)
             lowest(layer).cells[key] = cell
         return cell
 
-    def _initial_byte(self, address: int) -> Part:
-        """A byte that was not written yet, of a word that does not lie in one segment; one that lies in none is a
-        device's, and may be another one each time."""
-        number = bisect_right(self._starts, address) - 1
-        if number < 0 or address >= self._segments[number].end:
-            return UNKNOWN
-        segment = self._segments[number]
-        place = address - segment.address
-        return segment.data[place] if place < len(segment.data) else 0
-
-    def _as_given(self, key: int, parts: list[Part]) -> Cell:
-        """A word that does not start, or not all of it, with what the binary holds."""
-        for one in self._given:
-            if not (one.start < key + 4 and key < one.end):
-                continue
-            if one.start <= key and key + 4 <= one.end and (key - one.start) % 4 == 0 and one.width in (0, 4):
-                return simple(one.values) if one.width == 4 else TOP
-            for i in range(4):
-                at = key + i - one.start
-                if not 0 <= at < one.end - one.start:
-                    continue
-                if one.values.n == 0:
-                    parts[i] = one.values.low >> 8 * (at % max(one.width, 1)) & 0xFF
-                elif one.width == 2 and one.start % 2 == 0:
-                    before = parts[i - 1] if i else None
-                    known = type(before) is Half and at % 2 == 1
-                    parts[i] = Half(before.value, 1) if known and type(before) is Half else Half(simple(one.values), 0)
-                else:
-                    parts[i] = simple(one.values) if one.width == 1 else BYTE
-        return joined(parts)
-
     def _changeable(self, key: int) -> bool:
         """Whether any byte of a word is in a segment that can be written."""
-        return any(segment.writable for segment in self._around(key))
+        return any(segment.writable for segment in self._content.around(key))
 
     def _writable(self, key: int) -> bool:
         """Whether a word is the program's to write; not so a device. Raises Lost for code and constants."""
         if key >= DATA_END or key in self._ours:
             return True
-        found = self._around(key)
+        found = self._content.around(key)
         if not all(segment.writable for segment in found):
             raise Lost("code or a constant is written")
         if found:
             self._ours.add(key)
         return bool(found)
-
-    def _around(self, key: int) -> list[Segment]:
-        """The segments that hold bytes of a word."""
-        number = bisect_right(self._starts, key + 3) - 1
-        return [s for s in self._segments[max(0, number - 3) : number + 1] if s.end > key]
 
     # ------------------------------------------------------------------------------------------------ reading
     def _word_at(self, key: int) -> Word:

@@ -10,11 +10,12 @@ from mauve.wcet.flow import domain
 from mauve.wcet.flow.domain import Range
 from mauve.wcet.flow.run.compared import Pairs, Register, Where
 from mauve.wcet.flow.run.compile import ASKED, DEPTH, RELATED
+from mauve.wcet.flow.run.covering import merge
 from mauve.wcet.flow.run.joining import join_layers
 from mauve.wcet.flow.run.layers import Half, Layer
 from mauve.wcet.flow.run.memory import STACK, Memory
 from mauve.wcet.flow.run.related import Triple, base_of, together
-from mauve.wcet.flow.run.words import MASK, Ranged, Some, Stack, Stacks, Word, merge
+from mauve.wcet.flow.run.words import MASK, Ranged, Some, Stack, Stacks, Word
 
 
 @dataclass(slots=True)

@@ -22,9 +22,10 @@ from mauve.wcet.flow.locations import Helper
 from mauve.wcet.flow.order import Order, arrange
 from mauve.wcet.flow.result import AddressRange, ContextKey, FunctionFlow, LoopBound
 from mauve.wcet.flow.run.behaviour import MOST, Behaviour, Behaviours
+from mauve.wcet.flow.run.content import Given
 from mauve.wcet.flow.run.frames import Function, Unresolved
 from mauve.wcet.flow.run.machine import Machine
-from mauve.wcet.flow.run.memory import Given, Lost, Memory
+from mauve.wcet.flow.run.memory import Lost, Memory
 from mauve.wcet.flow.run.narrow import within
 from mauve.wcet.flow.run.remembered import closed
 from mauve.wcet.result import Origin, Problem, ProblemKind

@@ -15,7 +15,8 @@ from mauve.wcet.binary.microop import SP, Compute, IndirectCall, Load, Op, Opera
 from mauve.wcet.flow.domain import Range
 from mauve.wcet.flow.effects import quotients
 from mauve.wcet.flow.locations import Helper
-from mauve.wcet.flow.run.words import Some, Word, covers, is_wild, range_of
+from mauve.wcet.flow.run.covering import covers
+from mauve.wcet.flow.run.words import Some, Word, is_wild, range_of
 
 ARGUMENTS = (0, 1, 2, 3)
 RESULTS = (0, 1, 2, 3, 12)

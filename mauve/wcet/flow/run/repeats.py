@@ -12,6 +12,7 @@ from mauve.wcet.flow.run.cells import parts_of
 from mauve.wcet.flow.run.compared import Compared, Pairs, Register, Where
 from mauve.wcet.flow.run.compared import borders as beside
 from mauve.wcet.flow.run.compile import ASKED, ASSUMED, DEPTH, RELATED, TARGET
+from mauve.wcet.flow.run.covering import covers, widened
 from mauve.wcet.flow.run.joining import covers_cell, pairs_apart, widen_layer
 from mauve.wcet.flow.run.joining import includes as memory_includes
 from mauve.wcet.flow.run.layers import Cell, Half, Layer, Part, Value
@@ -28,7 +29,7 @@ from mauve.wcet.flow.run.related import (
     together,
     with_difference,
 )
-from mauve.wcet.flow.run.words import UNKNOWN, Ranged, Some, Stack, Stacks, Word, covers, widened
+from mauve.wcet.flow.run.words import UNKNOWN, Ranged, Some, Stack, Stacks, Word
 
 _NO_VALUES = frozenset({TARGET, DEPTH, ASKED, ASSUMED, RELATED})
 """Slots of registers whose content no instruction reads."""

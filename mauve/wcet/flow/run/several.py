@@ -13,8 +13,9 @@ from mauve.wcet.binary.microop import Op
 from mauve.wcet.flow import domain
 from mauve.wcet.flow.domain import TOP, Range
 from mauve.wcet.flow.run.cells import Shared, half_in, mates_at, parts_of, simple, values_of, word_in
+from mauve.wcet.flow.run.covering import merge
 from mauve.wcet.flow.run.layers import Cell, Half, Part, Value
-from mauve.wcet.flow.run.words import WILD, Some, Word, made, merge
+from mauve.wcet.flow.run.words import WILD, Some, Word, made
 
 Group = tuple[Sequence[int], tuple[int, ...]]
 """Words by their keys, and the positions in each of them that an access may go to."""
