@@ -32,6 +32,12 @@ DEEPEST = 8
 MOST_PROOFS = 2
 """How often arguments are sought again with the values that the bounds found before lead to."""
 
+MOST_GUESSES = 3
+"""How often guesses are tried together, fewer each time."""
+
+REPEATED = 40_000
+"""Instructions of a pass that is made again for more arguments."""
+
 MOST_PASSES = 16
 """Passes over a large function, on average, whatever `Limits.most` says."""
 
@@ -111,6 +117,7 @@ def analyse_function(
     if attempt is None:
         attempt = Attempt([], dict(given), {loop: bound.bound for loop, bound in given.items()})
     records, bounds, known = attempt.records, attempt.bounds, attempt.known
+    spent: list[int] = []
     marks = thresholds(order.cfg) if order.nest.loops else []
 
     most = max(limits.most, MOST_PASSES * sum(len(block.instructions) for block in order.cfg.blocks))
@@ -125,6 +132,7 @@ def analyse_function(
         policy = Policy(stepped, width, steps, most=most)
         execution = Execution(order, image, calls, policy, marks, known | (guessed or {}), limits.deadline, earlier)
         record = execution.execute(entry.copy())
+        spent.append(execution.summary_steps)
         if width == 1:
             attempt.hopeless |= stepped - execution.stepped - execution.cut_short
             attempt.settled = bool(stepped) and not execution.cut_short
@@ -162,11 +170,11 @@ def analyse_function(
         proven = prove(records[0]) if first else 0
         for _ in range(MOST_PROOFS):
             # What the bounds say of values where these loops end may bound those that follow them.
-            if not proven or not _missing(records, known):
+            if not proven or spent[0] > REPEATED or not _missing(records, known):
                 break
             records.append(execute(frozenset()))
             proven = prove(records[-1])
-        if first and guessing is not None and ranking is not None:
+        if first and guessing is not None and ranking is not None and spent[0] <= REPEATED:
             guesses = {loop: g[0] for loop in _missing(records, known) if (g := guessing(nest[loop], records[-1]))}
             again = partial(execute, frozenset[int]())
             confirmed = _confirmed(guesses, nest, ranking, lambda guessed: again(guessed=guessed))
@@ -200,7 +208,9 @@ def _confirmed(
     says, and of that the argument proves that it does not come to it. So a store whose place is known as long as its
     loop goes on for no longer than it should does not destroy what ends the loop.
     """
-    while guesses:
+    for _ in range(MOST_GUESSES):
+        if not guesses:
+            break
         record = execute(guesses)
         found = {loop: ranking(nest[loop], record) for loop in guesses}
         proven = {loop: one for loop, one in found.items() if one is not None and one[0] <= guesses[loop]}
