@@ -42,6 +42,8 @@ from mauve.wcet.binary.tables import MOST_ENTRIES, evaluate, inline_table, label
 from mauve.wcet.binary.terms import MASK, Flags, Terms
 
 _PATHS, _LENGTH = 96, 300
+_FRAME = (7, 11, SP)
+"""Registers through which frames are read."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -401,7 +403,7 @@ def _answer(code: Code, steps: list[_Step], instruction: Instruction, unchecked:
     term = path.settle(_target_term(path, flow))
     parts = path.terms.table[term]
     if isinstance(flow, IndirectJump) and (link is None or parts[0] != "constant"):
-        if flow.returns and parts[0] != "constant":
+        if flow.returns and parts[0] != "constant" and not _is_foreign(path, term):
             return Resolution(returns=True)
         if parts[0] == "load" and parts[5]:
             return Resolution(returns=True)
@@ -453,6 +455,15 @@ def _target_term(path: _Path, flow: object) -> int:
         return path.terms.apply(Op.ADD, doubled, path.terms.constant(flow.pc_value))
     assert isinstance(flow, IndirectJump | IndirectCall)
     return path.operand(flow.target)
+
+
+def _is_foreign(path: _Path, term: int) -> bool:
+    """Whether lr was read from memory that is not the frame: then it is a register as any other."""
+    parts, terms = path.terms.table[term], path.terms
+    if parts[0] != "load" or parts[5]:
+        return False
+    origins = (terms.table[number] for number in terms.below(parts[1]))
+    return not any(origin[0] == "initial" and origin[1] in _FRAME for origin in origins)
 
 
 def _is_pointer(path: _Path, term: int) -> bool:
