@@ -53,7 +53,7 @@ def test_what_is_executed_lies_in_the_graphs(name: str, function: str) -> None:
     calls = {i.address for cfg in cfgs for e in cfg.edges if e.callees for i in cfg.blocks[e.source].instructions}
     last = {block.instructions[-1].address for cfg in cfgs for block in cfg.blocks}
     emulator = Emulator(JUMPS / f"{name}.elf", CORES[name])
-    for seed in range(6):
+    for seed in range(3):
         random = Random(seed)
         emulator.reset()
         data = bytes(random.randint(0, MOST[function]) for _ in range(16))
