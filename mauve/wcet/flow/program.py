@@ -126,9 +126,9 @@ class Programs:
         deadline = self._limits.deadline if timeout is None else monotonic() + timeout
         started = monotonic()
         ran = self._run(entry_key, self._first_run(deadline)) if self._initial_data else None
-        if ran is not None and not _open(ran):
-            return ran
         short = bool(self._given.assumed.memory) and (ran is None or monotonic() - started > FIRST_RUN / 4)
+        if ran is not None and not _open(ran) and not (short and _may_gain(ran, None)):
+            return ran
         try:
             analysed = self.without_run(entry_key, deadline, timeout)
         except OutOfTime as reason:
