@@ -80,7 +80,7 @@ def test_what_is_short_of_time_follows_all_values_at_once(
     assert any(found.bounds for found in flow.functions.values())
 
 
-@pytest.mark.parametrize("function", ["find", "drain", "records"])
+@pytest.mark.parametrize("function", ["find", "drain", "records", "names"])
 def test_lists_and_pointers_that_move_with_a_count_have_bounds_all_values_at_once(
     function: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -113,6 +113,22 @@ def test_ways_of_a_loop_are_ranked_one_word_after_the_other() -> None:
     assert rank(meeting, frozenset((0, 1))) == 7 + 8 * 20
     assert rank((Measure(9, ((1, 1), (-1, -1))), Measure(9, ((1, 2), (0, 0)))), frozenset((0, 1))) == 9 + 10 * 9
     assert rank((Measure(9, ((1, 1), (-2, -2))), Measure(9, ((-2, -2), (1, 1)))), frozenset((0, 1))) == 18
+
+
+def test_what_the_last_iteration_does_that_is_followed_counts() -> None:
+    """The iteration after which nothing new comes may be the first to pass some edges."""
+    path = WALKS / "lexer-cortex-m3-O3.elf"
+    binary = load(path)
+    assert isinstance(binary, Binary)
+    flow = Programs(binary).program(binary.function("run").key, 6)
+    emulator, replay = Emulator(path, "cortex-m3"), Replay(flow, ())
+    for seed in range(30):
+        random = Random(seed)
+        emulator.reset()
+        letters = b'a1 "\\./' if seed % 2 else bytes(range(256))
+        emulator.write(emulator.by_name["line"].address, bytes(random.choice(letters) for _ in range(65)))
+        replay.walk(record(emulator, "run", []))
+    assert not replay.wrong
 
 
 @pytest.mark.parametrize("function", ["split", "measure"])

@@ -32,6 +32,10 @@ class Impossible(Exception):
     """A path that no execution takes."""
 
 
+class Covered(Exception):
+    """A path that can do nothing that an earlier one did not do; what it did on its way counts."""
+
+
 class Unresolved(Exception):
     """Control goes where the graphs have no edge: `args` are the address of the branch and the target, as a key."""
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from mauve.wcet.binary.graph import EXIT
 from mauve.wcet.flow.run.census import census
-from mauve.wcet.flow.run.frames import Frame, Impossible
+from mauve.wcet.flow.run.frames import Covered, Frame
 from mauve.wcet.flow.run.layers import Layer, release
 from mauve.wcet.flow.run.measure import iterations
 from mauve.wcet.flow.run.paths import Path, Starts
@@ -36,7 +36,7 @@ def starts_of(frame: Frame, block: int, but: int | None = None) -> Starts:
 
 
 def arrive(machine: Machine, frame: Frame, block: int) -> int:
-    """Come to a block. At the header of a loop that goes on and on: raises Impossible where this iteration can do
+    """Come to a block. At the header of a loop that goes on and on: raises Covered where this iteration can do
     nothing that an earlier one did not do, and has it cover all further ones in the end."""
     loop = frame.function.headers.get(block)
     if loop is None or not (machine.hurried or frame.open.get(loop, 0) > LOOKING):
@@ -45,7 +45,7 @@ def arrive(machine: Machine, frame: Frame, block: int) -> int:
     memory, compared, since, rounds = machine.memory, frame.function.compared, machine.steps, 0
     if frame.census is not None and frame.census.loop == loop:
         frame.census.note(memory, Path(block, machine.registers, memory.layer, frame.now))
-        raise Impossible
+        raise Covered
     places = list(compared.places)
     kept = frame.kept.get(loop)
     path = Path(block, machine.registers, memory.layer, frame.now)
@@ -55,7 +55,7 @@ def arrive(machine: Machine, frame: Frame, block: int) -> int:
         # Where less and less remains possible, an end may come.
         if includes(memory, kept, path) and (wide or not is_less(memory, kept, path)):
             if not _goes_on(machine, frame, loop, kept, path):
-                raise Impossible
+                raise Covered
             return block
         if wide:
             path = widen(memory, kept, path, compared, starts_of(frame, block, loop))

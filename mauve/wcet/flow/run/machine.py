@@ -21,6 +21,7 @@ from mauve.wcet.flow.run.flags import Flags
 from mauve.wcet.flow.run.float_text import FLOAT_MODE, SLOTS
 from mauve.wcet.flow.run.frames import (
     END,
+    Covered,
     Ended,
     Frame,
     Function,
@@ -393,8 +394,8 @@ class Machine:
         if not frame.places or place < frame.places[0]:
             try:
                 return arrive(self, frame, block)
-            except Impossible:
-                self._leave(frame, counts=False)
+            except Covered:
+                self._leave(frame, counts=True)
         else:
             self._wait(frame, block, place)
         return self._next(frame)
@@ -420,8 +421,8 @@ class Machine:
             self.take(frame, path)
             try:
                 return arrive(self, frame, path.block)
-            except Impossible:
-                self._leave(frame, counts=False)
+            except Covered:
+                self._leave(frame, counts=True)
         raise Ended
 
     def take(self, frame: Frame, path: Path) -> None:

@@ -122,7 +122,27 @@ int nested(void)
     return (int)closed;
 }
 
+/* Names but for the first: what only the iteration does after which nothing new comes counts as well. */
+int names(void)
+{
+    unsigned seen = 0, found = 0;
+    for (unsigned i = 0; i < 24;) {
+        if (text[i] < 'a') {
+            i++;
+        } else if (!seen) {
+            seen = 1;
+            i++;
+        } else {
+            found++;
+            do
+                i++;
+            while (i < 24 && text[i] >= 'a');
+        }
+    }
+    return (int)found;
+}
+
 int main(void)
 {
-    return split() + measure() + reverse() + sort() + find() + drain() + records() + nested();
+    return split() + measure() + reverse() + sort() + find() + drain() + records() + nested() + names();
 }
