@@ -15,6 +15,7 @@ from mauve.wcet.flow.domain import MASK, SIGN, Range
 from mauve.wcet.flow.execute import Execution
 from mauve.wcet.flow.image import Image
 from mauve.wcet.flow.order import Order
+from mauve.wcet.flow.ranked import looks_ahead
 from mauve.wcet.flow.record import Calls, GaveUp, Policy, Record
 from mauve.wcet.flow.result import LoopBound
 from mauve.wcet.flow.state import State
@@ -167,6 +168,8 @@ def analyse_function(
     try:
         if first and steppable():
             records.append(execute(loops, steps=LIGHT, earlier=records[0]))
+            # Later passes, which do not follow these loops step by step, keep what was found that way.
+            known |= {loop: most for loop, most in records[-1].visits.items() if most is not None and loop not in known}
         proven = prove(records[0]) if first else 0
         for _ in range(MOST_PROOFS):
             # What the bounds say of values where these loops end may bound those that follow them.
@@ -205,7 +208,8 @@ def _confirmed(
 
     A pass takes all guesses for granted, and with its values each of them is proven. Then they hold: were some loop's
     header to be executed more often, then once for the first time in an execution; all that came before is as the pass
-    says, and of that the argument proves that it does not come to it. So a store whose place is known as long as its
+    says, and of that the argument proves that it does not come to it (one that looks ahead proves nothing here: what
+    comes later need not be as the pass says). So a store whose place is known as long as its
     loop goes on for no longer than it should does not destroy what ends the loop.
     """
     for _ in range(MOST_GUESSES):
@@ -213,7 +217,11 @@ def _confirmed(
             break
         record = execute(guesses)
         found = {loop: ranking(nest[loop], record) for loop in guesses}
-        proven = {loop: one for loop, one in found.items() if one is not None and one[0] <= guesses[loop]}
+        proven = {
+            loop: one
+            for loop, one in found.items()
+            if one is not None and one[0] <= guesses[loop] and not looks_ahead(one[1])
+        }
         if len(proven) == len(guesses):
             return record, {loop: LoopBound(one[0], Origin.ANALYSIS, one[1]) for loop, one in proven.items()}
         guesses = {loop: guesses[loop] for loop in proven}

@@ -15,6 +15,10 @@ from mauve.wcet.clock import Deadline
 from mauve.wcet.flow.locations import CallEffects, Cell, EntryValues, Interval, Location, Region, Sum
 
 Answer = Interval | Region | int | None
+NEVER_REPEAT = "states that never repeat"
+RETURNING = ", in executions that return"
+"""What the methods say of bounds that hold as an execution that goes on for ever has no time."""
+
 Stores = tuple[tuple[int, int], ...]
 Question = tuple[str, Location | tuple[int, int] | Cell | tuple[Sum, int, Stores]]
 
@@ -112,6 +116,11 @@ class Ranked:
     """The ranking results of one binary so far, by function and loop."""
 
     known: dict[tuple[int, int], list[_Known]] = field(default_factory=dict)
+
+
+def looks_ahead(method: str) -> bool:
+    """Whether a bound rests on what comes after the loop has gone on for too long: that the execution returns."""
+    return method == NEVER_REPEAT or method.endswith(RETURNING)
 
 
 class ContextRanking:

@@ -45,6 +45,7 @@ from mauve.wcet.flow.rank.roots import roots
 from mauve.wcet.flow.rank.shapes import bits_cleared, remainders, wide_shift
 from mauve.wcet.flow.rank.terms import Atom, Ranges, Var, meet, static_range
 from mauve.wcet.flow.rank.walks import walk
+from mauve.wcet.flow.ranked import NEVER_REPEAT, RETURNING
 
 __all__ = [
     "ANY",
@@ -177,9 +178,10 @@ def _best_argument(
         exits = exit_states(program, loop)
         if not any(other.parent == loop.id for other in program.nest.loops):
             made = finite(problem, untouched, exits)
-            best = None if made is None else RankBound(made + 1, "states that never repeat")
+            best = None if made is None else RankBound(made + 1, NEVER_REPEAT)
         returning = without_absorbing(problem, exits)
         other = None if returning is None else _best(returning, _ARGUMENTS)
+        other = None if other is None else RankBound(other.bound, other.method + RETURNING)
         best = min((found for found in (other, best) if found is not None), key=lambda found: found.bound, default=None)
     return best
 
