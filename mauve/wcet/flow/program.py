@@ -514,7 +514,7 @@ def _with_facts(ran: Ran, given: Given, also: tuple[str, ...]) -> ProgramFlow:
 
 
 RAN = "the program starts with the data it is linked with, and runs once"
-FEW_STEPS = 4_000_000
+FEW_STEPS = 1_000_000
 """Instructions of a run from any data: it is short of time from the start, and follows all values at once soon."""
 FOR_THE_END = 5
 """One part in so many of the time is kept for bringing to an end what has no time for all effort."""

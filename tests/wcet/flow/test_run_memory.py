@@ -9,7 +9,7 @@ from random import Random
 from typing import Any
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from mauve.wcet.binary.elf import Binary, Segment, load
@@ -378,6 +378,7 @@ class Trial:
 
 @settings(max_examples=40, deadline=None)
 @given(st.integers(0, 1 << 32), st.booleans(), st.booleans())
+@example(4_294_901_760, False, False)
 def test_what_is_read_covers_what_executions_hold(seed: int, unaligned: bool, leaks: bool) -> None:
     Trial(seed, unaligned, leaks).work()
 

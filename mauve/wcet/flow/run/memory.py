@@ -601,7 +601,7 @@ class Memory:
             found = cell[key & 3]
             if size == 1 and found is word:
                 self._put_parts(key, (narrower & 0xFF if type(narrower) is int else narrower,))
-            elif size == 2 and type(found) is Half and found.value is word:
+            elif size == 2 and mates_at(cell, key & 3) is word:
                 self._put_half(key, narrower)
 
 
